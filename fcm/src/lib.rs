@@ -66,13 +66,14 @@ pub use conjugate_gradients::{
 };
 pub use dipoles::{DipoleError, DipoleField, DipoleProblem, DipoleSolution, Magnetisation};
 pub use envelope::{Envelope, Quadrupole};
-pub use gpu::{NearInFlow, NearInput, NearKind, NearTables, PairRows, SurfaceKind, SurfaceLaws, SurfacePair};
+pub use gpu::{GUESSED, NearInput, NearKind, NearTables, PAST, PairRows, SurfaceKind, SurfaceLaws, SurfacePair};
 pub use grid::stencil::Support;
 pub use lanczos::{DrawDiagnostics, LanczosLimits, square_root_times};
-pub use mobility::coupled::{CoupledFarField, CoupledProblem, CoupledSolution, CoupledStart, CoupledTolerances};
+pub use mobility::coupled::{CoupledFarField, CoupledProblem, CoupledSolution, CoupledTolerances, SolutionColumns};
 pub use mobility::loads::{Loads, Motion, Output};
 pub use mobility::memory::Footprint;
 pub use mobility::noise::Stream;
+pub use mobility::past_solutions::PastSolutions;
 pub use mobility::rank_one::Constraint;
 pub use mobility::work::{Seconds, Work};
 pub use mobility::{Flow, Mobility, SurfaceFarField};

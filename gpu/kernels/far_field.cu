@@ -7,6 +7,7 @@
 #include "coupled.h"
 #include "exchange.h"
 #include "grouping.h"
+#include "history.h"
 #include "images.h"
 #include "krylov.h"
 #include "loads.h"
@@ -88,5 +89,8 @@ KERNEL(krylov_products, sum_products_with_basis<false>)
 KERNEL(krylov_project, project<false>)
 KERNEL(krylov_project_again, project<true>)
 KERNEL(krylov_norm, sum_square)
+KERNEL(guess_all, guess_solution)
+KERNEL(store_all, store_solution)
+KERNEL(compare_all, compare_with_guess)
 KERNELS(float, f32)
 KERNELS(double, f64)

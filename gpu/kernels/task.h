@@ -69,6 +69,7 @@ static constexpr int STIFF = 0, SOFT = 1;
 
 struct NearKind;
 struct SurfacePair;
+struct History;
 
 // gpu/src/task.rs has the same fields in the same order. Lists without a type hold values of the precision of the
 // grid, sorted positions unsigned integers of the same size.
@@ -156,6 +157,9 @@ struct Task {
     const double *ambient;
     SolveState *state;
     const Numbers *numbers;
+    // Columns of solutions, and the places of rows in them.
+    const History *history;
+    const int *places;
 
     double cutoff_square, inverse_viscosity;
     // Multiplier of the solve: square of the Gaussian's width, coefficient of k^2 in the bracket.

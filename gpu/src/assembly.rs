@@ -25,24 +25,14 @@ pub struct NearInput<'a> {
     pub surface: Option<&'a SurfaceLaws>,
 }
 
-/// Near pairs that were found, and their loads on spheres at rest in the background.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct NearInFlow {
-    /// Number of stiff and of soft pairs of all particles, each of which counts for both of its particles, with those
-    /// that were given.
-    pub pairs: [usize; 2],
-    /// Load of each particle on the fluid, with forces between surfaces, and its first moment: [`IN_FLOW`] numbers
-    /// each.
-    pub values: Vec<f64>,
-}
-
 impl SplitFarField {
     /// Finds the near pairs of the arranged particles, assembles the rows of their resistance, and forms the groups of
-    /// the preconditioner.
+    /// the preconditioner. Returns the numbers of stiff and of soft pairs of all particles, each of which counts for
+    /// both of its particles, with those that were given.
     ///
     /// # Panics
     /// Without [`Self::set_near_tables`].
-    pub fn assemble_near(&mut self, input: &NearInput) -> Result<NearInFlow, DeviceError> {
+    pub fn assemble_near(&mut self, input: &NearInput) -> Result<[usize; 2], DeviceError> {
         let reach = self.near.reach.expect("the tables of near pairs are on the device");
         self.task.near_reach = self.bins_within(reach);
         self.take_given(input.given)?;
@@ -57,7 +47,13 @@ impl SplitFarField {
         if let Some(laws) = input.surface {
             self.add_surface_forces(laws, [self.task.in_flow, IN_FLOW as u64])?;
         }
-        Ok(NearInFlow { pairs, values: self.loads_in_flow()? })
+        Ok(pairs)
+    }
+
+    /// Load of each particle on the fluid by near pairs at rest in the background, with forces between surfaces, and
+    /// its first moment: [`IN_FLOW`] numbers each.
+    pub fn near_in_flow(&mut self) -> Result<Vec<f64>, DeviceError> {
+        self.download(self.task.in_flow, IN_FLOW * self.task.particles as usize, NumberFormat::Double)
     }
 
     /// Copies the rows that the host gives.
@@ -111,11 +107,6 @@ impl SplitFarField {
             field.form_groups(ROUNDS)?;
             field.invert_groups()
         })
-    }
-
-    /// Loads and first moments in the background.
-    fn loads_in_flow(&mut self) -> Result<Vec<f64>, DeviceError> {
-        self.download(self.task.in_flow, IN_FLOW * self.task.particles as usize, NumberFormat::Double)
     }
 
     fn launch_assembly(&mut self, kernel: &str, task: &KernelTask) -> Result<(), DeviceError> {

@@ -1,6 +1,5 @@
 //! Vectors of the coupled solve of near pairs and far field on a device, see `gpu/kernels/coupled.h`.
 
-use crate::assembly::MOMENTS;
 use crate::device::DeviceError;
 use crate::far_field::{Orders, SplitFarField};
 use crate::lists::DeviceList;
@@ -8,7 +7,7 @@ use crate::near::{Around, PairLimits, PairSolve, PairVectors};
 use crate::numbers::{COUPLED_SUMS, KernelNumbers, SolveSettings};
 use crate::pair_rows::PairSet;
 use crate::repeated::CommandList;
-use crate::task::KernelTask;
+use crate::task::{DeviceAddress, KernelTask};
 
 /// Numbers of a particle in the unknowns: minus its motion in the loads of stiff pairs, these loads, the same of soft
 /// pairs, six numbers each, and minus its stresslet.
@@ -19,7 +18,7 @@ pub const RESIDUALS: usize = 2 * 6 + 5;
 
 /// Numbers of a particle in the result without the first moment: motion, load on the far field, minus the stresslet,
 /// and rate of strain.
-pub const RESULTS: usize = 2 * 6 + 2 * 5;
+pub(crate) const RESULTS: usize = 2 * 6 + 2 * 5;
 
 /// Factors from the units of the solve to those of the far field.
 #[derive(Debug, Clone, Copy)]
@@ -229,25 +228,16 @@ impl SplitFarField {
     }
 
     /// Result after the preconditioned residual as a last correction: motions, loads on the far field, minus the
-    /// stresslets, rates of strain besides the background's, and first moments of lubrication by the motions: lists of
-    /// six, six, five, five and five numbers a particle.
-    pub fn coupled_result(&mut self, at: &CoupledVectors) -> Result<Vec<f64>, DeviceError> {
-        let count = self.task.particles as usize;
-        let result = self.wide_list(RESULTS * count)?;
-        let (image, moments) = (result.address, self.place_of_moments()?);
-        let [unknowns, residual, z] = [at.unknowns, at.residual, at.preconditioned].map(|list| list.address);
-        self.repeat(CommandList::Result, &[unknowns, residual, z, image, moments], |field| {
-            let task = KernelTask { image, ..field.coupled_task(at) };
-            field.launch_particles("gather_all", &task)?;
-            field.launch_moments(&result.part(0, 6 * count), moments)
-        })?;
-        let mut values = vec![0.0_f64; (RESULTS + MOMENTS) * count];
-        let (of_result, of_moments) = values.split_at_mut(RESULTS * count);
-        self.device.download_all(&mut [
-            (image, bytemuck::cast_slice_mut(of_result)),
-            (moments, bytemuck::cast_slice_mut(of_moments)),
-        ])?;
-        self.release(&result);
-        Ok(values)
+    /// stresslets, and rates of strain besides the background's: lists of six, six, five and five numbers a particle,
+    /// and first moments of lubrication by the motions, five numbers a particle.
+    pub(crate) fn gather_coupled(
+        &mut self,
+        at: &CoupledVectors,
+        result: &DeviceList,
+        moments: DeviceAddress,
+    ) -> Result<(), DeviceError> {
+        let task = KernelTask { image: result.address, ..self.coupled_task(at) };
+        self.launch_particles("gather_all", &task)?;
+        self.launch_moments(&result.part(0, 6 * self.task.particles as usize), moments)
     }
 }

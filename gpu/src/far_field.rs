@@ -112,6 +112,10 @@ pub(crate) struct Buffers {
     pub(crate) krylov: KrylovBuffers,
     /// Ids of particles, and their steps across the faces of the box.
     pub(crate) names: [Buffer; 2],
+    /// Arguments of the columns of solutions, places of rows in them, and sums of comparisons.
+    pub(crate) history: Buffer,
+    pub(crate) places: Buffer,
+    pub(crate) compared: Buffer,
 }
 
 impl Buffers {

@@ -17,6 +17,7 @@ mod evaluation;
 mod exchange;
 mod far_field;
 mod groups;
+mod history;
 mod images;
 mod krylov;
 mod krylov_state;
@@ -38,20 +39,21 @@ mod tables;
 mod task;
 mod vectors;
 
-pub use assembly::{NearInFlow, NearInput};
+pub use assembly::NearInput;
 pub use counted::{Counted, DeviceCounts, SharedCounts};
 pub use coupled::{
-    CoupledDirection, CoupledSums, CoupledVectors, KnownInput, LoadFactors, RESIDUALS, RESULTS, StartInput, UNKNOWNS,
+    CoupledDirection, CoupledSums, CoupledVectors, KnownInput, LoadFactors, RESIDUALS, StartInput, UNKNOWNS,
 };
 pub use cuda::Cuda;
 pub use device::{Device, DeviceError, DeviceInfo, KernelLaunch, TransformPart, TransformTask};
 pub use emulator::Emulator;
 pub use far_field::{DeviceLoads, DeviceMotion, Orders, PlacedParticles, SplitFarField, StageSeconds};
+pub use history::{COLUMN_WIDTHS, COLUMNS, ColumnUnits, GUESSED, GuessedVectors, PAST, PastLists, StoredResult};
 pub use images::ImageLists;
 pub use krylov::{KrylovOperator, ParticleDraw};
 pub use krylov_state::MOST_VECTORS;
 pub use lists::{DeviceList, MotionLists};
-pub use memory::{EvaluationBytes, EvaluationSize, NearSize, SolveKind};
+pub use memory::{EvaluationBytes, EvaluationSize, HISTORY_BYTES, NearSize, SolveKind};
 pub use near::{PairLimits, PairSolve, PairVectors};
 pub use near_tables::{NearKind, NearTables};
 pub use pair_noise::PairDraw;

@@ -3,6 +3,7 @@
 use crate::assembly::ROW_BYTES;
 use crate::coupled::{RESIDUALS, RESULTS, UNKNOWNS};
 use crate::groups::group_bytes;
+use crate::history::{KEPT, SOLUTION};
 use crate::krylov::krylov_bytes;
 use crate::pair_rows::PAIR_NUMBERS;
 use crate::tables::{AMPLITUDES, COLUMN_NUMBERS, NumberFormat};
@@ -58,15 +59,19 @@ pub struct NearSize {
     pub tables: f64,
 }
 
+/// Bytes of a particle in the columns of past solutions that the steps of a run keep, those to which a step that fails
+/// returns among them.
+pub const HISTORY_BYTES: f64 = (size_of::<f64>() * KEPT) as f64;
+
 impl NearSize {
-    /// Bytes of the pairs and of the vectors of the iteration.
+    /// Bytes of the pairs and of the vectors of the iteration, and of one solution.
     pub fn bytes(&self) -> f64 {
         let pair = |value: usize| (PAIR_NUMBERS * value + 2 * 4) as f64;
         let pairs = self.stiff * pair(size_of::<f64>()) + self.soft * pair(self.numbers.size());
         // Unknowns, preconditioned residual and direction; residual and image of the direction; six vectors of the
-        // preconditioner, motions and loads of the start, and known loads; stresslets of the start and ambient motions;
-        // the result.
-        let vectors = 8 * (3 * UNKNOWNS + 2 * RESIDUALS + 9 * 6 + 5 + 11 + RESULTS);
+        // preconditioner, motions and loads of the start, known and given loads, and motions for the host; stresslets of
+        // the start, given moments and ambient motions; the result; a solution, and places in the order of ids.
+        let vectors = 8 * (3 * UNKNOWNS + 2 * RESIDUALS + 11 * 6 + 5 + 5 + 11 + RESULTS + SOLUTION) + 4;
         let groups = group_bytes(self.particles as usize) as f64;
         self.tables + pairs + groups + (ROW_BYTES + vectors) as f64 * self.particles
     }

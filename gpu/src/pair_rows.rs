@@ -19,7 +19,7 @@ pub(crate) const ROW_LANES: usize = 8;
 /// Sums of a step, as in `gpu/kernels/pair_steps.h`.
 pub(crate) const PAIR_SUMS: usize = 4;
 
-/// Numbers of a particle in [`crate::NearInFlow::values`]: a load, and a first moment.
+/// Numbers of a particle at rest in the background: a load, and a first moment.
 pub const IN_FLOW: usize = 6 + 5;
 
 /// Resistance of near pairs as a matrix with a row of blocks for each particle, in the order of the host.

@@ -15,6 +15,10 @@ pub enum SurfaceKind {
     Depletion,
 }
 
+impl SurfaceKind {
+    const ALL: [Self; 4] = [Self::Barrier, Self::Screened, Self::VanDerWaals, Self::Depletion];
+}
+
 /// Law of a force between two spheres of given classes of radius, zero beyond its reach, with the fields of
 /// `gpu/kernels/surface.h` in the same order.
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
@@ -27,6 +31,18 @@ pub struct SurfacePair {
 }
 
 impl SurfacePair {
+    /// Size of the force in contact.
+    fn at_contact(&self) -> f64 {
+        let &Self { kind, reach, contact: r, numbers: [a, b, c] } = self;
+        let force = match SurfaceKind::ALL[kind as usize] {
+            SurfaceKind::Barrier => a * ((reach * reach - r * r) / b).powi(2) * r,
+            SurfaceKind::Screened => a,
+            SurfaceKind::VanDerWaals => a * (c - 1.0 / (b * b)),
+            SurfaceKind::Depletion => a * b,
+        };
+        force.abs()
+    }
+
     /// The law of a kind with its numbers, for distances of the centres `reach` where it ends and `contact` without a
     /// gap.
     pub fn new(kind: SurfaceKind, [reach, contact]: [f64; 2], numbers: [f64; 3]) -> Self {
@@ -41,4 +57,11 @@ pub struct SurfaceLaws {
     pub count: usize,
     /// Their laws for all ordered pairs of classes, those of the first class first, and for each pair one by one.
     pub of_pairs: Vec<SurfacePair>,
+}
+
+impl SurfaceLaws {
+    /// Size of the largest force between spheres in contact.
+    pub fn largest(&self) -> f64 {
+        self.of_pairs.iter().map(SurfacePair::at_contact).fold(0.0, f64::max)
+    }
 }

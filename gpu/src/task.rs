@@ -88,6 +88,8 @@ pub struct KernelTask {
     pub(crate) ambient: DeviceAddress,
     pub(crate) state: DeviceAddress,
     pub(crate) numbers: DeviceAddress,
+    pub(crate) history: DeviceAddress,
+    pub(crate) places: DeviceAddress,
     pub(crate) cutoff_square: f64,
     pub(crate) inverse_viscosity: f64,
     pub(crate) gaussian: f64,

@@ -6,13 +6,13 @@
 
 use domain::{Boundaries, Comm, Particles, Partition, PeriodicBox, Traceless, Vector, random_packing};
 use fcm::{
-    Costs, Fixed, Loading, Loads, Method, Mobility, Multipoles, Output, Plan, Precision, Problem, Stream,
-    StressletSolver,
+    Costs, Fixed, Loading, Loads, Method, Mobility, Multipoles, Output, PastSolutions, Plan, Precision, Problem,
+    SolutionColumns, Stream, StressletSolver,
 };
 use gpu::{Counted, Device, DeviceCounts, Emulator};
-use hydrodynamics::{CoupledSolver, Guess, ShortRange, Solution, SolveInput, StrainRate};
+use hydrodynamics::{CoupledSolver, Guess, ShortRange, SolveInput, StrainRate};
 use lubrication::LubricationRange;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::error::Error;
 use std::f64::consts::PI;
 
@@ -28,8 +28,8 @@ struct CountedCase {
     fraction: f64,
 }
 
-/// Factors of past solutions in the start of a step, which is extrapolated by a parabola.
-const PARABOLA: [f64; 3] = [1.0, -3.0, 3.0];
+/// Weights of past solutions in the start of a step, which is extrapolated by a parabola, the last one first.
+const PARABOLA: [f64; 3] = [3.0, -3.0, 1.0];
 
 /// Steps of a run before the one that is counted: the past of its start, and some in which commands are recorded.
 const STEPS_BEFORE: usize = 6;
@@ -113,19 +113,22 @@ impl CountedCase {
         let before = counts.borrow().clone();
         let solution = on_card.solve(&cell, &particles, &shear, Guess::default())?;
         stage(&format!("a solve from rest, {} iterations", solution.iterations), &before);
-        let (mut cell, mut past) = (cell, Vec::new());
+        let (mut cell, mut past) = (cell, VecDeque::new());
+        let shear = SolveInput { keeps_columns: true, ..shear };
         for step in 1..=STEPS_BEFORE {
-            let solution = on_card.solve(&cell, &particles, &shear, extrapolated(&past))?;
+            let solution = on_card.solve(&cell, &particles, &shear, extrapolated(past.make_contiguous()))?;
             for (position, &velocity) in particles.positions.iter_mut().zip(&solution.motion.velocities) {
                 *position += (velocity + Vector::X * position.y) * STEP;
             }
             cell = self.cell(STRAIN + step as f64 * STEP)?;
             particles.wrap(&cell);
-            past.push(solution);
+            past.extend_front(solution.kept.map(|kept| kept.columns));
+            past.truncate(PARABOLA.len());
         }
         let before = counts.borrow().clone();
-        let solution = on_card.solve(&cell, &particles, &shear, extrapolated(&past))?;
+        let solution = on_card.solve(&cell, &particles, &shear, extrapolated(past.make_contiguous()))?;
         stage(&format!("a step of a run, {} iterations", solution.iterations), &before);
+        let solution = on_card.with_lists(solution, &particles);
         let before = counts.borrow().clone();
         on_card.mobility().apply(&solution.far, Output::All);
         stage("an evaluation with loads and motions of the host", &before);
@@ -149,25 +152,17 @@ fn counted() -> Result<(Box<dyn Device>, gpu::SharedCounts), Box<dyn Error>> {
     Ok((Box::new(device), counts))
 }
 
-/// Guess by the parabola through past solutions, or by the last one if they are fewer.
-fn extrapolated(past: &[Solution]) -> Guess {
-    let Some(last) = past.last() else { return Guess::default() };
-    let count = last.motion.velocities.len();
-    let factors = if past.len() < PARABOLA.len() { &[1.0][..] } else { &PARABOLA[..] };
-    let used = || past[past.len() - factors.len()..].iter().zip(factors);
-    let vectors = |of: fn(&Solution) -> &[Vector]| {
-        (0..count).map(|row| used().map(|(solution, &factor)| of(solution)[row] * factor).sum()).collect()
-    };
-    let moment = |row: usize| {
-        used().fold(Traceless::ZERO, |sum, (solution, &factor)| sum + solution.far.stresslets[row] * factor)
-    };
-    Guess {
-        stresslets_far: (0..count).map(moment).collect(),
-        induced_velocities: vectors(|solution| &solution.induced.velocities),
-        induced_angular_velocities: vectors(|solution| &solution.induced.angular_velocities),
-        velocities: vectors(|solution| &solution.motion.velocities),
-        angular_velocities: vectors(|solution| &solution.motion.angular_velocities),
+/// Guess by the parabola through past solutions, the last one first, or by the last one if they are fewer.
+fn extrapolated(past: &[SolutionColumns]) -> Guess {
+    let Some(last) = past.first() else { return Guess::default() };
+    let mut solutions = PastSolutions::last(last.guessed.clone());
+    if past.len() >= PARABOLA.len() {
+        (solutions.line, solutions.parabola) = (PARABOLA, PARABOLA);
+        for (k, columns) in solutions.columns.iter_mut().enumerate() {
+            *columns = std::array::from_fn(|age| past[age].guessed[k].clone());
+        }
     }
+    Guess { past: Some(solutions), ..Guess::default() }
 }
 
 /// Counts of all that came after others.

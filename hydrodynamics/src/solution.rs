@@ -4,8 +4,9 @@ use crate::ambient::StrainRate;
 use crate::bodies::RigidBodies;
 use crate::springs::Springs;
 use crate::squirming::Squirming;
+use domain::parallel::FusedLoops;
 use domain::{Traceless, Vector};
-use fcm::{Loads, Motion};
+use fcm::{GUESSED, Loads, Motion, PastSolutions, SolutionColumns};
 
 /// Input of a solve: loads, ambient flow, implicit springs.
 pub struct SolveInput<'a> {
@@ -24,6 +25,8 @@ pub struct SolveInput<'a> {
     /// Whether the forces between surfaces that the solver [has taken](crate::CoupledSolver::take_surface_forces) are
     /// added to the loads.
     pub surface_forces: bool,
+    /// Whether the columns of the solution may stay where the far field is evaluated, see [`Solution::kept`].
+    pub keeps_columns: bool,
     /// Whether the flux between two walls is kept at its value without particles, by an additional flow along x.
     pub constant_flux: bool,
 }
@@ -39,6 +42,7 @@ impl<'a> SolveInput<'a> {
             ambient: &NO_AMBIENT,
             squirming: None,
             surface_forces: false,
+            keeps_columns: false,
             constant_flux: false,
         }
     }
@@ -66,6 +70,18 @@ pub struct Solution {
     pub iterations: usize,
     /// Estimated error of the iteration, relative to the solution.
     pub residual: f64,
+    /// Columns that stay where the far field is evaluated, if they do. Then the lists above are empty, except for
+    /// velocities and angular velocities.
+    pub kept: Option<Box<KeptSolution>>,
+}
+
+/// A solution that stays where the far field is evaluated.
+#[derive(Debug, Clone, PartialEq)]
+pub struct KeptSolution {
+    /// Its columns.
+    pub columns: SolutionColumns,
+    /// Comparison with the guess, see [`fcm::CoupledSolution::compared`].
+    pub compared: Option<[[f64; 2]; GUESSED]>,
 }
 
 /// Initial guess of a solution; empty lists stand for no guess.
@@ -82,6 +98,8 @@ pub struct Guess {
     pub velocities: Vec<Vector>,
     /// Angular velocities relative to the background flow.
     pub angular_velocities: Vec<Vector>,
+    /// Past solutions whose extrapolation is the guess, if there are any, in place of the lists.
+    pub past: Option<PastSolutions>,
 }
 
 impl Guess {
@@ -92,6 +110,48 @@ impl Guess {
             induced_angular_velocities: ambient.angular_velocities.clone(),
             ..Self::default()
         }
+    }
+
+    /// The same as lists. Numbers of past solutions must be here.
+    pub(crate) fn listed(self) -> Self {
+        let Some(past) = self.past else { return self };
+        let (mut guess, past) = (Self::default(), &past);
+        let Self {
+            stresslets_far, induced_velocities, induced_angular_velocities, velocities, angular_velocities, ..
+        } = &mut guess;
+        let motions = [induced_velocities, induced_angular_velocities, velocities, angular_velocities];
+        let count = |k: usize, width: usize| past.columns[k][0].len() / width;
+        let stresslet = |row: usize| Traceless(std::array::from_fn(|axis| past.guess(0, 5 * row + axis)));
+        let mut loops = FusedLoops::default();
+        loops.of_rows(stresslets_far, count(0, 5), stresslet);
+        for (k, list) in (1..).zip(motions) {
+            let vector = move |row: usize| Vector::from_array([0, 1, 2].map(|axis| past.guess(k, 3 * row + axis)));
+            loops.of_rows(list, count(k, 3), vector);
+        }
+        loops.run();
+        guess
+    }
+
+    /// The same as past solutions, of which lists are the last one.
+    pub(crate) fn solutions(self) -> PastSolutions {
+        let Self {
+            stresslets_far,
+            induced_velocities,
+            induced_angular_velocities,
+            velocities,
+            angular_velocities,
+            past,
+        } = self;
+        let vectors = |list: &[Vector]| bytemuck::cast_slice(list).to_vec().into();
+        past.unwrap_or_else(|| {
+            PastSolutions::last([
+                bytemuck::cast_slice(&stresslets_far).to_vec().into(),
+                vectors(&induced_velocities),
+                vectors(&induced_angular_velocities),
+                vectors(&velocities),
+                vectors(&angular_velocities),
+            ])
+        })
     }
 }
 

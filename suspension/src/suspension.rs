@@ -218,8 +218,9 @@ impl Suspension {
         self.dynamics.cell()
     }
 
-    /// Particles of this rank.
+    /// Particles of this rank, with the numbers of all columns.
     pub fn particles(&self) -> &Particles {
+        self.dynamics.fetch(&self.particles);
         &self.particles
     }
 
@@ -241,13 +242,13 @@ impl Suspension {
     /// All particles in the order of their ids, on the first rank, with all or the named columns. Collective.
     pub fn gathered(&self, columns: Option<&[&str]>) -> Particles {
         let wanted = |name: &str| columns.is_none_or(|names| names.contains(&name));
-        self.particles.gathered_with(self.dynamics.partition(), wanted)
+        self.particles().gathered_with(self.dynamics.partition(), wanted)
     }
 
     /// State of the suspension, with the particles of this rank.
     pub fn state(&mut self) -> State {
         let plan = self.plan();
-        let (step, strain, mut particles) = (self.clock.step(), self.cell().strain(), self.particles.clone());
+        let (step, strain, mut particles) = (self.clock.step(), self.cell().strain(), self.particles().clone());
         scalars::save(&mut particles);
         State { step, strain, plan, particles, statistics: Vec::new() }
     }
@@ -297,6 +298,7 @@ impl Suspension {
     /// Velocity of the fluid relative to the background flow, on the first rank. Fails if no grid can resolve it.
     /// Collective.
     pub fn velocity_field(&mut self) -> Result<FluidVelocity, PlanError> {
+        self.dynamics.fetch(&self.particles);
         self.dynamics.velocity_field(&self.particles, self.clock.time())
     }
 }

@@ -4,7 +4,7 @@ use super::Particles;
 use crate::column::{Column, ColumnValues};
 use crate::parallel::{FusedLoops, MeasuredLoop, of_rows};
 use crate::rows::{RowExchange, RowMove, Selection};
-use crate::{Comm, Scalars, Vector};
+use crate::{Comm, RemoteHolder, Scalars, Vector, remote_list};
 use rayon::prelude::*;
 
 /// A saved state, row by row with the particles, wherever they move: numbers of columns that have not changed since
@@ -94,6 +94,13 @@ impl Particles {
         values.put_back(self);
     }
 
+    /// Copies the numbers of remote lists, those of the saved state among them, from the memory that holds them.
+    pub fn fetch(&self, holder: &dyn RemoteHolder) {
+        let saved = self.saved.iter().flat_map(|saved| &saved.columns);
+        let columns: Vec<_> = self.columns.iter().chain(saved).map(|column| (&column.values, column.width)).collect();
+        remote_list::fetch(&self.ids, &columns, holder);
+    }
+
     /// Columns, followed by those of the saved state.
     fn all_columns(&mut self) -> impl Iterator<Item = &mut Column> {
         self.columns.iter_mut().chain(self.saved.iter_mut().flat_map(|saved| &mut saved.columns))
@@ -115,7 +122,7 @@ struct WideList {
 
 impl WideList {
     fn move_by(&mut self, row_move: &impl RowMove) {
-        self.values = row_move.of(&self.values, self.width).into();
+        self.values = self.values.rearranged(|values| row_move.of(values, self.width));
     }
 }
 

@@ -1,15 +1,23 @@
 //! Solve of the far field together with near pairs, where the far field is evaluated.
 
 use crate::conjugate_gradients::{IterationOutcome, Limits};
-use domain::{Comm, Particles, Units};
-use gpu::{NearInFlow, NearInput, NearTables};
+use crate::mobility::loads::Motion;
+use crate::mobility::past_solutions::PastSolutions;
+use domain::{ColumnValues, Comm, Particles, RemoteHolder, Units};
+use gpu::{GUESSED, NearInput, NearTables};
+use std::rc::Rc;
 
 /// A far field that finds near pairs, assembles their resistance, and solves for motions and stresslets of rigid
 /// spheres together with it.
 pub trait CoupledFarField {
     /// Finds the near pairs of the arranged particles and assembles their resistance, by tables that are made once.
-    /// All numbers are in the units of the far field, except for a force.
-    fn assemble(&mut self, tables: &dyn Fn() -> NearTables, input: &NearInput) -> NearInFlow;
+    /// All numbers are in the units of the far field, except for a force. Returns the numbers of stiff and of soft
+    /// pairs, each counted for both of its particles.
+    fn assemble(&mut self, tables: &dyn Fn() -> NearTables, input: &NearInput) -> [usize; 2];
+
+    /// Load of each particle on the fluid by these pairs at rest in the background, and its first moment: six and five
+    /// numbers.
+    fn in_flow(&mut self) -> Vec<[f64; 11]>;
 
     /// Random forces and torques, six numbers a particle, whose covariance is the resistance of the near pairs of the
     /// arranged particles, by tables that are made once, as in [`Self::assemble`]. The seed is that of the numbers of
@@ -19,16 +27,9 @@ pub trait CoupledFarField {
     /// Solves a problem for the arranged particles, which have stresslets, with the near pairs that were assembled
     /// last.
     fn solve(&mut self, problem: &CoupledProblem) -> CoupledSolution;
-}
 
-/// Start of the iteration, as numbers of one particle after the other.
-pub struct CoupledStart {
-    /// Velocities and angular velocities from which the near field is solved.
-    pub motions: Vec<f64>,
-    /// Forces and torques of that solve.
-    pub loads: Vec<f64>,
-    /// Minus the stresslets.
-    pub moments: Vec<f64>,
+    /// The memory that holds the columns of solutions.
+    fn holder(&self) -> Rc<dyn RemoteHolder>;
 }
 
 /// Relative errors, in the norms of the resistances of single spheres.
@@ -53,15 +54,18 @@ pub struct CoupledTolerances {
 pub struct CoupledProblem<'a> {
     /// Units of length and viscosity of all numbers; the unit of force is 1.
     pub units: Units,
-    /// Forces and torques, six numbers a particle.
+    /// Forces and torques, six numbers a particle, besides those of near pairs that the far field has found in the
+    /// background; empty if there are none.
     pub loads: &'a [f64],
+    /// First moments of other near pairs in the background, five numbers a particle; empty if there are none.
+    pub moments: &'a [f64],
     /// Ambient velocities and angular velocities of all particles, six numbers each, then their rates of strain, five
     /// each; empty if there are none.
     pub ambient: Vec<f64>,
     /// Rate of strain of the background: xx, xy, xz, yy and yz.
     pub background: [f64; 5],
-    /// Start of the iteration.
-    pub start: CoupledStart,
+    /// Solutions from which the iteration starts, in the original units.
+    pub past: &'a PastSolutions,
     /// Ranks, of which there is one.
     pub comm: &'a Comm,
     /// Limits of the iteration.
@@ -70,18 +74,30 @@ pub struct CoupledProblem<'a> {
     pub tolerances: CoupledTolerances,
 }
 
-/// Solution of such a problem, as numbers of one particle after the other.
+/// Solution of such a problem, in the original units.
 pub struct CoupledSolution {
-    /// Velocities and angular velocities.
-    pub motions: Vec<f64>,
-    /// Loads of near pairs on the far field.
-    pub loads: Vec<f64>,
-    /// Minus the stresslets.
-    pub moments: Vec<f64>,
-    /// Rates of strain besides that of the background.
-    pub strain_rates: Vec<f64>,
-    /// First moments of lubrication by the motions.
-    pub first_moments: Vec<f64>,
+    /// Velocities and angular velocities relative to the background.
+    pub motion: Motion,
+    /// All columns of the solution, which stay where the far field is evaluated until they are fetched.
+    pub columns: SolutionColumns,
+    /// Comparison with the guess for each column of [`PastSolutions`]: with its numbers `x`, and those of the line `l`
+    /// and the parabola `p`, the sums of `(x - l) (p - l)` and of `(p - l)^2`. `None` without past solutions.
+    pub compared: Option<[[f64; 2]; GUESSED]>,
     /// Result of the iteration.
     pub outcome: IterationOutcome,
+}
+
+/// Columns of a solution in the original units.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SolutionColumns {
+    /// Those from which later solves start, in the order of [`PastSolutions::columns`].
+    pub guessed: [ColumnValues; GUESSED],
+    /// Forces on the far field.
+    pub forces: ColumnValues,
+    /// Torques on the far field.
+    pub torques: ColumnValues,
+    /// Total stresslets.
+    pub stresslets: ColumnValues,
+    /// Rates of strain besides that of the background.
+    pub strain_rates: ColumnValues,
 }

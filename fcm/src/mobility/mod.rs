@@ -6,6 +6,7 @@ pub(crate) mod loads;
 pub(crate) mod memory;
 pub(crate) mod noise;
 mod noise_root;
+pub(crate) mod past_solutions;
 pub(crate) mod rank_one;
 pub(crate) mod work;
 

@@ -8,7 +8,7 @@ use crate::plan::method::Method;
 use crate::plan::problem::{Precision, Problem};
 use crate::plan::{Plan, PlanError};
 use domain::{Boundaries, Comm, Place, readable_bytes};
-use gpu::{DeviceError, DeviceInfo, EvaluationSize, NearSize, NumberFormat, SolveKind};
+use gpu::{DeviceError, DeviceInfo, EvaluationSize, HISTORY_BYTES, NearSize, NumberFormat, SolveKind};
 
 /// Largest number of radii of which a device has tables for all pairs.
 const MOST_RADII: usize = 32;
@@ -222,10 +222,11 @@ impl Plan {
         }
     }
 
-    /// Bytes of a solve with near pairs on a card, besides those of evaluations.
+    /// Bytes of a solve with near pairs on a card, besides those of evaluations, and of the solutions that a run keeps.
     pub(crate) fn near_bytes(&self, particles: f64, pairs: NearPairCounts) -> f64 {
         let [stiff, soft] = [pairs.stiff, pairs.soft].map(|of_one| particles * of_one);
-        NearSize { numbers: self.numbers(), particles, stiff, soft, tables: pairs.tables }.bytes()
+        let size = NearSize { numbers: self.numbers(), particles, stiff, soft, tables: pairs.tables };
+        size.bytes() + HISTORY_BYTES * particles
     }
 
     /// Size of evaluations on a card, for particles with some neighbours within the cutoff each.

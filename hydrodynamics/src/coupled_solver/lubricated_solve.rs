@@ -37,6 +37,8 @@ pub(super) struct SolveCase<'a> {
     pub(super) loads: &'a Loads,
     pub(super) ambient: &'a Motion,
     pub(super) guess: Guess,
+    /// Whether the columns of the solution may stay where the far field is evaluated.
+    pub(super) keeps_columns: bool,
 }
 
 /// Single-sphere resistances, known loads, ambient motions and a guess, in scaled units.
@@ -64,15 +66,15 @@ pub(super) struct Found {
 
 impl LubricatedSolve<'_> {
     /// Solves for the motions of the particles. Collective; an error is an error on all ranks.
-    pub(super) fn run(&self, mut mobility: Scaled, given: SolveCase) -> Result<Solution, SolveError> {
+    pub(super) fn run(&self, mobility: Scaled, given: SolveCase) -> Result<Solution, SolveError> {
         let (units, plan) = (mobility.units, mobility.mobility.plan().clone());
         let limits =
             Limits { tolerance: plan.iteration_tolerance, iterations: MOST_ITERATIONS, interrupt: self.interrupt };
+        if self.near.is_on_device() {
+            return self.on_device(mobility, given, limits);
+        }
         let mut input = self.scaled(given, &plan, &units);
-        let found = match self.on_device(&mut mobility, &input, limits) {
-            Some(found) => found?,
-            None => self.on_host(mobility, &mut input, limits)?,
-        };
+        let found = self.on_host(mobility, &mut input, limits)?;
         let Found { solved, outcome: IterationOutcome { iterations, residual, .. }, .. } = &found;
         if self.comm.any(!all_rows(solved.motions.0.len(), |row| solved.motions.0[row].linear().is_finite())) {
             return Err(SolveError::NotFinite);
@@ -112,7 +114,7 @@ impl LubricatedSolve<'_> {
     /// The input in scaled units, which uses up the guess. The loads that move spheres as in the guess are for the
     /// preconditioner alone.
     fn scaled(&self, given: SolveCase, plan: &Plan, units: &Units) -> ScaledInput {
-        let SolveCase { loads, ambient, guess } = given;
+        let SolveCase { loads, ambient, guess, .. } = given;
         let (radii, viscosity) = (&self.particles.radii[..], plan.viscosity / units.viscosity);
         let [torque, velocity, rate] = [units.torque(), units.velocity(), units.rate()].map(|unit| 1.0 / unit);
         let in_flow = &self.near.ambient_loads().0[..];

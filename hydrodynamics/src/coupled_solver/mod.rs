@@ -21,13 +21,14 @@ use crate::system::single;
 use crate::units::{self, Scaled};
 use constant_flux::ConstantFlux;
 use domain::parallel::{FusedLoops, change, mapped, stage};
-use domain::{Interrupt, Particles, Partition, PeriodicBox, Units};
+use domain::{Interrupt, Particles, Partition, PeriodicBox, RemoteHolder, Units};
 use fcm::{
     DrawDiagnostics, Loads, Mobility, Motion, Plan, RigidInput, SolveError, Stream, StressletSolver, SurfaceLaws,
 };
 use lubricated_solve::{LubricatedSolve, SolveCase};
 use lubrication::{LubricationRange, PairForce, PairForceError, WallForce};
 use std::borrow::Cow;
+use std::rc::Rc;
 use swimming::SlipInput;
 
 /// Motions of spheres as of [`fcm::StressletSolver`], optionally with lubrication between near pairs. Results have the
@@ -38,6 +39,8 @@ pub struct CoupledSolver {
     near: Option<NearField>,
     /// Forces between surfaces that the back end of the far field adds up.
     surface_laws: Option<SurfaceLaws>,
+    /// The memory where the far field is evaluated, if it holds columns of solutions.
+    holder: Option<Rc<dyn RemoteHolder>>,
     units: Units,
     preconditioned: bool,
     partition: Partition,
@@ -91,8 +94,8 @@ impl CoupledSolver {
             let lists = NearLists::new(reach, partition);
             NearField { lubrication, at_walls, lists, precision: plan.precision, radii }
         });
-        let partition = partition.clone();
-        Ok(Self { far, near, surface_laws: None, units, preconditioned: true, partition })
+        let (partition, holder) = (partition.clone(), holder(&mut far));
+        Ok(Self { far, near, surface_laws: None, holder, units, preconditioned: true, partition })
     }
 
     /// Switches the preconditioner of the solve with lubrication on (the default) or off, for comparison.
@@ -122,10 +125,19 @@ impl CoupledSolver {
         self.partition = partition.clone();
     }
 
-    /// Continues with another far field of the same plan, such as one on a device.
-    pub fn set_far_field(&mut self, far: StressletSolver) {
+    /// Continues with another far field of the same plan, such as one on a device. Columns of solutions that the one
+    /// before holds must have been fetched.
+    pub fn set_far_field(&mut self, mut far: StressletSolver) {
+        self.holder = holder(&mut far);
         let interrupt = std::mem::replace(&mut self.far, far).interrupt().clone();
         self.far.listen(interrupt);
+    }
+
+    /// Brings the numbers of columns that are where the far field is evaluated.
+    pub fn fetch(&self, particles: &Particles) {
+        if let Some(holder) = &self.holder {
+            particles.fetch(&**holder);
+        }
     }
 
     /// Mobility of the far field.
@@ -176,6 +188,7 @@ impl CoupledSolver {
                 }
                 let ambient =
                     &flux.as_ref().map_or_else(|| Cow::Borrowed(ambient), |flux| Cow::Owned(flux.ambient(ambient)));
+                let guess = if near.is_on_device() { guess } else { listed(guess, self.holder.as_deref(), particles) };
                 let solve = LubricatedSolve {
                     comm: self.partition.comm(),
                     interrupt: &interrupt,
@@ -186,7 +199,9 @@ impl CoupledSolver {
                     particles: &own,
                     strain_rate,
                 };
-                let mut solved = solve.run(Scaled { mobility, units }, SolveCase { loads, ambient, guess })?;
+                let keeps_columns = acting.keeps_columns;
+                let case = SolveCase { loads, ambient, guess, keeps_columns };
+                let mut solved = solve.run(Scaled { mobility, units }, case)?;
                 if let Some(flux) = &flux {
                     flux.complete(&mut solved, self.partition.comm());
                 }
@@ -195,6 +210,7 @@ impl CoupledSolver {
         }
         let added = self.with_surface_forces(cell, particles, acting);
         let loads = added.as_ref().unwrap_or(loads);
+        let guess = listed(guess, self.holder.as_deref(), particles);
         let (background, guess) = (strain_rate.at_zero, &guess.stresslets_far);
         let mut solved =
             self.solve_far(cell, particles, &RigidInput { loads, ambient, background, guess, quadrupoles })?;
@@ -216,8 +232,7 @@ impl CoupledSolver {
         let far = Loads { stresslets: stresslets.clone(), ..input.loads.clone() };
         let viscosity = self.far.mobility().plan().viscosity;
         let induced = induced(viscosity, &particles.radii, &motion, &far);
-        let constraint_loads = Loads::default();
-        Ok(Solution { motion, stresslets, far, constraint_loads, induced, curvature: 0.0, iterations, residual })
+        Ok(Solution { motion, stresslets, far, induced, iterations, residual, ..Solution::default() })
     }
 }
 
@@ -256,6 +271,19 @@ fn sloping(strain_rate: StrainRate, particles: &Particles, ambient: &Motion) -> 
         change(&mut strain_rates, &ambient.strain_rates, |sum, &own| *sum += own);
         Motion { strain_rates, ..ambient.clone() }
     })
+}
+
+/// A guess as lists, of columns of particles that a memory may hold.
+fn listed(guess: Guess, holder: Option<&dyn RemoteHolder>, particles: &Particles) -> Guess {
+    if let Some(holder) = holder.filter(|_| guess.past.is_some()) {
+        particles.fetch(holder);
+    }
+    guess.listed()
+}
+
+/// The memory where a far field is evaluated, if it holds columns of solutions.
+fn holder(far: &mut StressletSolver) -> Option<Rc<dyn RemoteHolder>> {
+    far.mobility().coupled().map(|far| far.holder())
 }
 
 /// Motions minus those of single spheres under their own loads.

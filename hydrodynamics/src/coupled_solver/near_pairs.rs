@@ -64,7 +64,7 @@ impl CoupledSolver {
         let mobility = self.far.mobility();
         mobility.follow(cell, particles);
         if let Some(far) = mobility.coupled() {
-            near.add_found(&far.assemble(&tables, &input));
+            near.note_found(far.assemble(&tables, &input).iter().sum());
         }
         near
     }

@@ -1,41 +1,30 @@
 //! Solve with near pairs where the far field is evaluated.
 
-use crate::coupled_solver::lubricated_solve::{Found, LubricatedSolve, ScaledInput, ended};
-use crate::coupled_solver::{END, START};
-use crate::six_vector::{SixVector, SixVectors};
-use crate::system::SystemSolution;
+use crate::coupled_solver::lubricated_solve::{LubricatedSolve, SolveCase, ended};
+use crate::coupled_solver::{CoupledSolver, END, START};
+use crate::six_vector::SixVector;
+use crate::solution::{KeptSolution, Solution};
 use crate::units::Scaled;
-use domain::Traceless;
-use fcm::{CoupledProblem, CoupledSolution, CoupledStart, CoupledTolerances, Limits, Motion, SolveError};
+use domain::parallel::{all_rows, of_rows};
+use domain::{Particles, RemoteHolder, Units, remote_list};
+use fcm::{CoupledProblem, CoupledSolution, CoupledTolerances, Limits, Loads, Motion, SolutionColumns, SolveError};
 
 /// Relative error of the preconditioner's inner solves: a device, whose steps are few, takes them four at a time.
 const SHARP: f64 = 1e-2;
 
 impl LubricatedSolve<'_> {
-    /// The solve by the back end of the far field, if the near pairs are there.
-    pub(super) fn on_device(
-        &self,
-        scaled: &mut Scaled,
-        input: &ScaledInput,
-        limits: Limits,
-    ) -> Option<Result<Found, SolveError>> {
-        if !self.near.is_on_device() {
-            return None;
-        }
-        let units = scaled.units;
-        let far = scaled.mobility.coupled()?;
-        let ScaledInput { known, ambient, motions, moments, moving, .. } = input;
-        let start = CoupledStart {
-            motions: numbers(motions).to_vec(),
-            loads: numbers(moving).to_vec(),
-            moments: moments.iter().flat_map(|moment| moment.0).collect(),
-        };
-        let solution = far.solve(&CoupledProblem {
+    /// The solve by the back end of the far field, where the near pairs are.
+    pub(super) fn on_device(&self, scaled: Scaled, given: SolveCase, limits: Limits) -> Result<Solution, SolveError> {
+        let SolveCase { loads, ambient, guess, keeps_columns } = given;
+        let Scaled { mobility, units } = scaled;
+        let far = mobility.coupled().expect("near pairs are where the far field solves with them");
+        let solved = far.solve(&CoupledProblem {
             units,
-            loads: numbers(known),
-            ambient: columns(ambient, known.0.len()),
+            loads: &self.other_loads(loads, &units),
+            moments: self.other_moments(),
+            ambient: columns(ambient, &units, self.particles.len()),
             background: self.strain_rate.at_zero.0,
-            start,
+            past: &guess.solutions(),
             comm: self.comm,
             limits,
             tolerances: CoupledTolerances {
@@ -44,33 +33,75 @@ impl LubricatedSolve<'_> {
                 end: END * limits.tolerance,
             },
         });
-        Some(ended(&solution.outcome, limits).map(|()| found(&solution)))
+        let CoupledSolution { motion, columns, compared, outcome } = solved;
+        ended(&outcome, limits)?;
+        if !all_rows(motion.velocities.len(), |row| motion.velocities[row].is_finite()) {
+            return Err(SolveError::NotFinite);
+        }
+        let (iterations, residual) = (outcome.iterations, outcome.residual);
+        let kept = Some(Box::new(KeptSolution { columns, compared }));
+        let solution = Solution { motion, iterations, residual, kept, ..Solution::default() };
+        Ok(if keeps_columns { solution } else { with_lists(solution, &self.particles.ids, &*far.holder()) })
+    }
+
+    /// Given loads, and those of other near pairs in the background, six numbers a particle; empty without either.
+    fn other_loads(&self, loads: &Loads, units: &Units) -> Vec<f64> {
+        let Loads { forces, torques, .. } = loads;
+        if forces.is_empty() && torques.is_empty() && !self.near.has_own() {
+            return Vec::new();
+        }
+        let (in_flow, torque) = (&self.near.ambient_loads().0, 1.0 / units.torque());
+        let load = |row: usize| SixVector::of_row(row, forces, torques).times(1.0, torque) + in_flow[row];
+        of_rows(in_flow.len(), |row| load(row).0).into_flattened()
+    }
+
+    /// First moments of other near pairs in the background, five numbers a particle; empty without any.
+    fn other_moments(&self) -> &[f64] {
+        if self.near.has_own() { bytemuck::cast_slice(self.near.ambient_moments()) } else { &[] }
     }
 }
 
-fn numbers(vectors: &SixVectors) -> &[f64] {
-    bytemuck::cast_slice(&vectors.0)
-}
-
-/// Motions as numbers, those with rates of strain last; empty if there are none.
-fn columns(motion: &Motion, count: usize) -> Vec<f64> {
+/// Motions as numbers in scaled units, those with rates of strain last; empty if there are none.
+fn columns(motion: &Motion, units: &Units, count: usize) -> Vec<f64> {
     let Motion { velocities, angular_velocities, strain_rates } = motion;
     if velocities.is_empty() && angular_velocities.is_empty() && strain_rates.is_empty() {
         return Vec::new();
     }
-    let mut columns = numbers(&SixVectors::new(count, velocities, angular_velocities)).to_vec();
-    columns.extend((0..count).flat_map(|row| strain_rates.get(row).copied().unwrap_or_default().0));
+    let [velocity, rate] = [units.velocity(), units.rate()].map(|unit| 1.0 / unit);
+    let moved = |row: usize| SixVector::of_row(row, velocities, angular_velocities).times(velocity, rate).0;
+    let mut columns = of_rows(count, moved).into_flattened();
+    let strained = |row: usize| (strain_rates.get(row).copied().unwrap_or_default() * rate).0;
+    columns.extend(of_rows(count, strained).as_flattened());
     columns
 }
 
-fn found(solution: &CoupledSolution) -> Found {
-    let six = |list: &[f64]| SixVectors(list.as_chunks().0.iter().map(|&vector| SixVector(vector)).collect());
-    let tensors = |list: &[f64]| list.as_chunks().0.iter().map(|&tensor| Traceless(tensor)).collect::<Vec<_>>();
-    let solved = SystemSolution {
-        motions: six(&solution.motions),
-        loads: six(&solution.loads),
-        moments: tensors(&solution.moments),
-        strain_rates: tensors(&solution.strain_rates),
-    };
-    Found { solved, by_motions: tensors(&solution.first_moments), outcome: solution.outcome }
+/// A solution with lists of the numbers of its columns, for particles with these ids.
+fn with_lists(solution: Solution, ids: &[u64], holder: &dyn RemoteHolder) -> Solution {
+    let Some(kept) = &solution.kept else { return solution };
+    let SolutionColumns { guessed, forces, torques, stresslets, strain_rates } = &kept.columns;
+    let [far, induced, induced_rotation, ..] = guessed;
+    let tensors = [far, stresslets, strain_rates];
+    let vectors = [induced, induced_rotation, forces, torques];
+    let all: Vec<_> = tensors.map(|values| (values, 5)).into_iter().chain(vectors.map(|values| (values, 3))).collect();
+    remote_list::fetch(ids, &all, holder);
+    let [far, stresslets, strain_rates] = tensors.map(|values| bytemuck::cast_slice(values).to_vec());
+    let [velocities, angular_velocities, forces, torques] = vectors.map(|values| bytemuck::cast_slice(values).to_vec());
+    Solution {
+        motion: Motion { strain_rates, ..solution.motion },
+        stresslets,
+        far: Loads { forces, torques, stresslets: far },
+        induced: Motion { velocities, angular_velocities, ..Motion::default() },
+        kept: None,
+        ..solution
+    }
+}
+
+impl CoupledSolver {
+    /// A solution of particles with all lists, which are brought from where the far field is evaluated.
+    pub fn with_lists(&self, solution: Solution, particles: &Particles) -> Solution {
+        match &self.holder {
+            Some(holder) => with_lists(solution, &particles.ids, &**holder),
+            None => solution,
+        }
+    }
 }

@@ -299,17 +299,7 @@ impl Mobility {
         let mut motion = mobility.apply(&loads, Output::All);
         carry(&mut motion, &particles.radii, bend);
         let stresslets = traceless(particles, column::STRESSLET).to_vec();
-        let (induced, curvature) = (Motion::default(), 0.0);
-        Ok(Solution {
-            motion,
-            stresslets,
-            far: loads,
-            constraint_loads: Loads::default(),
-            induced,
-            curvature,
-            iterations: 0,
-            residual: 0.0,
-        })
+        Ok(Solution { motion, stresslets, far: loads, ..Solution::default() })
     }
 }
 

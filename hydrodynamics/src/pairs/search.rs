@@ -15,7 +15,7 @@ use crate::six_vector::{SixVector, SixVectors};
 use crate::springs::Springs;
 use domain::parallel::{FusedLoops, change, in_blocks, mapped, stage};
 use domain::{DomainView, Particles, Partition, PeriodicBox, Traceless, Vector};
-use fcm::{NearInFlow, PairRows, Precision};
+use fcm::{PairRows, Precision};
 use lubrication::WallForce;
 use std::rc::Rc;
 
@@ -164,12 +164,9 @@ impl NearPairs {
         }
     }
 
-    /// Adds the loads and first moments in the ambient flow of the pairs that a device has found.
-    pub fn add_found(&mut self, found: &NearInFlow) {
-        let values = found.values.as_chunks::<{ 6 + 5 }>().0;
-        change(&mut self.loads.0, values, |sum, &[a, b, c, d, e, f, ..]| *sum += SixVector([a, b, c, d, e, f]));
-        change(&mut self.moments, values, |sum, &[.., xx, xy, xz, yy, yz]| *sum += Traceless([xx, xy, xz, yy, yz]));
-        self.on_device = Some(found.pairs.iter().sum());
+    /// Notes the number of pairs, with these, that a device has found.
+    pub fn note_found(&mut self, pairs: usize) {
+        self.on_device = Some(pairs);
     }
 
     /// Whether the resistance of all pairs is where the far field is evaluated.
@@ -179,9 +176,13 @@ impl NearPairs {
 
     /// Whether no particle of this rank is near another or a wall, or in a trap.
     pub fn is_empty(&self) -> bool {
-        let has_pairs =
-            !self.stiff.is_empty() || !self.soft.is_empty() || self.on_device.is_some_and(|pairs| pairs > 0);
-        !has_pairs && self.at_walls.is_empty() && !self.has_traps
+        !self.has_own() && self.on_device.is_none_or(|pairs| pairs == 0)
+    }
+
+    /// Whether there is a resistance here, besides that on a device.
+    pub fn has_own(&self) -> bool {
+        let has_pairs = !self.stiff.is_empty() || !self.soft.is_empty();
+        has_pairs || !self.at_walls.is_empty() || self.has_traps
     }
 
     /// Resistance matrix of stiff pairs, walls and traps.

@@ -121,14 +121,15 @@ impl Dynamics {
         noise: Noise,
     ) -> Result<Outcome, StepError> {
         let (loads, solved) = self.solve_fluctuating(particles, moment, noise, 0.0)?;
+        let (outcome, cell) = (Outcome::of(&solved), *self.moving.cell());
         self.note_carried(particles, PAST[0], &solved.motion.velocities);
         self.note_rotating(particles, &solved.motion.angular_velocities);
         if self.rigid {
-            let cell = *self.moving.cell();
+            let solved = self.hydrodynamics.with_lists(solved, particles);
             let noted = brownian::store_solution(&mut self.hydrodynamics, &cell, particles, &loads, &solved);
             noted.map_err(|source| self.unsolved(source, particles, moment.clock.step()))?;
         }
-        Ok(Outcome::of(&solved))
+        Ok(outcome)
     }
 
     /// Stores the drift of the random motions from a finite difference at the present positions, see

@@ -45,6 +45,7 @@ impl Dynamics {
             let edges = self.axes.list(cell.edges().to_array()).map(|edge| Number(edge).to_string()).join(" x ");
             let planned = self.planned(&cell);
             let planned = planned.map_err(|source| StepError::Box { step: clock.step(), edges, source })?;
+            self.fetch(particles);
             self.adopt(&planned);
         }
         self.moving.follow(cell);

@@ -5,8 +5,8 @@ use crate::columns::STRESSLET_FAR;
 use crate::evaluation::extrapolation;
 use crate::scalars::BLEND;
 use domain::parallel::{FusedLoops, MeasuredLoop, copied, stage};
-use domain::{ColumnValues, Comm, Particles, Traceless, Vector};
-use fcm::{Loads, Motion};
+use domain::{ColumnValues, Comm, Particles, Vector};
+use fcm::{GUESSED, Loads, Motion, PAST, PastSolutions, SolutionColumns};
 use hydrodynamics::{Guess, Solution};
 use rayon::prelude::*;
 
@@ -16,9 +16,6 @@ const FORCE: &str = "far force";
 const TORQUE: &str = "far torque";
 const INDUCED: [&str; 2] = ["induced velocity", "induced angular velocity"];
 const MOTION: [&str; 2] = ["velocity in flow", "angular velocity in flow"];
-
-/// Number of past steps whose values are extrapolated.
-const PAST: usize = 3;
 
 /// Number of values that one thread processes at a time; the sums of these batches are added in their order.
 const BATCH: usize = 4096;
@@ -111,6 +108,15 @@ impl WarmStart {
         if !self.coupled {
             return;
         }
+        if let Some(kept) = &solved.kept {
+            let SolutionColumns { guessed, forces, torques, .. } = &kept.columns;
+            for ((name, width), values) in self.columns().into_iter().zip(guessed) {
+                particles.column(name, width).values = values.clone();
+            }
+            particles.column(FORCE, 3).values = forces.clone();
+            particles.column(TORQUE, 3).values = torques.clone();
+            return;
+        }
         let names = [STRESSLET_FAR, FORCE, TORQUE, INDUCED[0], INDUCED[1], MOTION[0], MOTION[1]];
         let [stresslets, forces, torques, motions @ ..] = particles.columns_of(names, [5, 3, 3, 3, 3, 3, 3]);
         let Solution { far, induced, motion, .. } = solved;
@@ -153,31 +159,9 @@ impl WarmStart {
             return Guess::default();
         }
         let names = self.columns();
-        let curvature = Self::blend(particles, names.len());
-        particles.scalars.set(BLEND, &curvature);
-        let past = Past::of_columns(particles, &names, ages, ahead);
-        let mixed = |k: usize, i: usize| {
-            let [line, parabola] = past[k].extrapolated(i);
-            line + curvature[k] * (parabola - line)
-        };
-        let mut guess = Guess::default();
-        let (stresslets, motions) = Self::lists_of(&mut guess);
-        let mut loops = FusedLoops::default();
-        let stresslet = |row: usize| Traceless(std::array::from_fn(|axis| mixed(0, 5 * row + axis)));
-        loops.of_rows(stresslets, past[0].len() / 5, stresslet);
-        for (k, list) in (1..names.len()).zip(motions) {
-            let vector = move |row: usize| Vector::from_array([0, 1, 2].map(|axis| mixed(k, 3 * row + axis)));
-            loops.of_rows(list, past[k].len() / 3, vector);
-        }
-        loops.run();
-        guess
-    }
-
-    /// Stresslets and motions of a guess, in the order of their columns.
-    fn lists_of(guess: &mut Guess) -> (&mut Vec<Traceless>, [&mut Vec<Vector>; 4]) {
-        let Guess { stresslets_far, induced_velocities, induced_angular_velocities, velocities, angular_velocities } =
-            guess;
-        (stresslets_far, [induced_velocities, induced_angular_velocities, velocities, angular_velocities])
+        let blend = Self::blend(particles, names.len());
+        particles.scalars.set(BLEND, &blend);
+        Guess { past: Some(past_solutions(particles, &names, ages, ahead, &blend)), ..Guess::default() }
     }
 
     /// Weights of the parabola, one for each of a number of columns; zeros before the first are known.
@@ -187,56 +171,46 @@ impl WarmStart {
 
     /// The last solution, as a guess.
     pub fn found(&self, particles: &mut Particles) -> Guess {
-        let (mut guess, names) = (Guess::default(), self.columns());
-        for &(name, width) in &names {
-            particles.column(name, width);
-        }
-        let (stresslets, motions) = Self::lists_of(&mut guess);
-        let mut loops = FusedLoops::default();
-        loops.copied(stresslets, bytemuck::cast_slice(values(particles, names[0].0)));
-        for ((name, _), list) in names[1..].iter().zip(motions) {
-            loops.copied(list, bytemuck::cast_slice(values(particles, name)));
-        }
-        loops.run();
-        guess
+        let mut last: [ColumnValues; GUESSED] = Default::default();
+        last.iter_mut().zip(self.present_values(particles)).for_each(|(last, values)| *last = values);
+        Guess { past: Some(PastSolutions::last(last)), ..Guess::default() }
     }
 
     /// Motions relative to the background flow in the last solution.
     pub fn motion(particles: &mut Particles) -> Motion {
-        let [velocities, angular_velocities] = MOTION.map(|name| copied(particles.vectors(name)));
+        let [velocities, angular_velocities] = MOTION.map(|name| {
+            particles.column(name, 3);
+            copied(bytemuck::cast_slice(values(particles, name)))
+        });
         Motion { velocities, angular_velocities, strain_rates: Vec::new() }
     }
 
     /// Updates the weight of the parabola from a new solution: the weight with which the guess, made with `ages` and
-    /// `ahead`, would have come closest to it. Collective.
-    pub fn update_blend(&self, particles: &mut Particles, ages: &[f64], ahead: f64, comm: &Comm) {
+    /// `ahead`, would have come closest to it. The solution may have been `compared` with this guess already.
+    /// Collective.
+    pub fn update_blend(
+        &self,
+        particles: &mut Particles,
+        ages: &[f64],
+        ahead: f64,
+        compared: Option<[[f64; 2]; GUESSED]>,
+        comm: &Comm,
+    ) {
         let _stage = stage("initial guess");
         let names = self.columns();
         let is_known = particles.columns.iter().any(|column| column.name == past(self.stresslet(), PAST));
         if comm.any(!is_known && !particles.is_empty()) || ages.len() < PAST {
             return;
         }
-        let past = Past::of_columns(particles, &names, ages, ahead);
-        let batches = |k: usize| (0..past[k].len().div_ceil(BATCH)).map(move |batch| [k, batch]);
-        let batches: Vec<[usize; 2]> = (0..past.len()).flat_map(batches).collect();
-        let of_batch = |&[k, batch]: &[usize; 2]| {
-            let (past, mut sums) = (&past[k], [0.0; 2]);
-            for i in batch * BATCH..past.len().min((batch + 1) * BATCH) {
-                let [line, parabola] = past.extrapolated(i);
-                let curved = parabola - line;
-                sums[0] += (past.found[i] - line) * curved;
-                sums[1] += curved * curved;
-            }
-            sums
-        };
-        let of_batches: Vec<_> = batches.par_iter().map(of_batch).measured().collect();
-        let mut sums = vec![[0.0; 2]; names.len()];
-        for (&[k, _], [along, square]) in batches.iter().zip(of_batches) {
-            sums[k][0] += along;
-            sums[k][1] += square;
-        }
-        comm.sum(sums.as_flattened_mut());
         let mut shares = Self::blend(particles, names.len());
+        let sums = compared.map_or_else(
+            || {
+                let past = past_solutions(particles, &names, ages, ahead, &shares);
+                let found: Vec<&[f64]> = names.iter().map(|(name, _)| values(particles, name)).collect();
+                compare(&past, &found, comm)
+            },
+            |sums| sums.to_vec(),
+        );
         for (share, [along, square]) in shares.iter_mut().zip(&sums).filter(|(_, sums)| sums[1] > 0.0) {
             *share += NEWEST * ((along / square).clamp(0.0, 1.0) - *share);
         }
@@ -244,46 +218,55 @@ impl WarmStart {
     }
 }
 
-/// Past values of a column, and their weights in the extrapolations.
-struct Past<'a> {
-    /// Present values; empty if there are none.
-    found: &'a [f64],
-    values: [&'a [f64]; PAST],
-    /// Weights of the least-squares line and parabola.
-    weights: [[f64; PAST]; 2],
+/// Products of what is beyond the line of a guess in columns that were found and by the parabola, and squares of the
+/// latter, summed up over each column. Collective.
+fn compare(past: &PastSolutions, found: &[&[f64]], comm: &Comm) -> Vec<[f64; 2]> {
+    let batches = |k: usize| (0..found[k].len().div_ceil(BATCH)).map(move |batch| [k, batch]);
+    let batches: Vec<[usize; 2]> = (0..found.len()).flat_map(batches).collect();
+    let of_batch = |&[k, batch]: &[usize; 2]| {
+        let mut sums = [0.0; 2];
+        for i in batch * BATCH..found[k].len().min((batch + 1) * BATCH) {
+            let [line, parabola] = past.extrapolated(k, i);
+            let curved = parabola - line;
+            sums[0] += (found[k][i] - line) * curved;
+            sums[1] += curved * curved;
+        }
+        sums
+    };
+    let of_batches: Vec<_> = batches.par_iter().map(of_batch).measured().collect();
+    let mut sums = vec![[0.0; 2]; found.len()];
+    for (&[k, _], [along, square]) in batches.iter().zip(of_batches) {
+        sums[k][0] += along;
+        sums[k][1] += square;
+    }
+    comm.sum(sums.as_flattened_mut());
+    sums
 }
 
-impl<'a> Past<'a> {
-    /// Past values of columns with their widths, to be extrapolated to the time `ahead` after the last of them.
-    fn of_columns(particles: &'a mut Particles, names: &[(&str, usize)], ages: &[f64], ahead: f64) -> Vec<Self> {
-        let times: Vec<f64> = ages.iter().take(PAST).map(|age| -age).collect();
-        let weights = [1, 2].map(|degree| {
-            let mut weights = [0.0; PAST];
-            weights[..times.len()].copy_from_slice(&extrapolation::fitted(&times, degree, ahead));
-            weights
-        });
-        for &(name, width) in names {
-            (1..=times.len()).for_each(|k| _ = particles.column(&past(name, k), width));
-        }
+/// Past solutions in columns with some names and widths, to be extrapolated to the time `ahead` after the last of them,
+/// with the weight of the parabola for each.
+fn past_solutions(
+    particles: &mut Particles,
+    names: &[(&str, usize)],
+    ages: &[f64],
+    ahead: f64,
+    blend: &[f64],
+) -> PastSolutions {
+    let times: Vec<f64> = ages.iter().take(PAST).map(|age| -age).collect();
+    let [line, parabola] = [1, 2].map(|degree| {
+        let mut weights = [0.0; PAST];
+        weights[..times.len()].copy_from_slice(&extrapolation::fitted(&times, degree, ahead));
+        weights
+    });
+    let mut solutions = PastSolutions { line, parabola, ..PastSolutions::last(Default::default()) };
+    for (k, &(name, width)) in names.iter().enumerate() {
         // Values without weight are arbitrary.
-        let column = |name: &str, k: usize| values(particles, &past(name, 1 + if k < times.len() { k } else { 0 }));
-        let of = |&(name, _): &(&str, usize)| Self {
-            found: values(particles, name),
-            values: std::array::from_fn(|k| column(name, k)),
-            weights,
-        };
-        names.iter().map(of).collect()
+        let number = |age: usize| 1 + if age < times.len() { age } else { 0 };
+        let column = |age: usize| particles.column(&past(name, number(age)), width).values.clone();
+        solutions.columns[k] = [0, 1, 2].map(column);
+        solutions.blend[k] = blend[k];
     }
-
-    /// Number of values.
-    fn len(&self) -> usize {
-        self.values[0].len()
-    }
-
-    /// A value extrapolated by the line and by the parabola.
-    fn extrapolated(&self, i: usize) -> [f64; 2] {
-        self.weights.map(|w| (0..PAST).fold(0.0, |sum, k| sum + w[k] * self.values[k][i]))
-    }
+    solutions
 }
 
 /// Values of a column; empty if it does not exist.
@@ -299,6 +282,7 @@ fn past(name: &str, k: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use domain::Traceless;
     use std::f64::consts::PI;
 
     /// Error of the next guess for one particle with a given stresslet as a function of time, after a number of steps
@@ -310,12 +294,16 @@ mod tests {
         assert_eq!(warm_start.guess(&mut particles, &[0.0], 1.0), Guess::default(), "nothing is known");
         for step in 0..steps {
             particles.column(STRESSLET, 5).values.copy_from_slice(&stresslet(f64::from(step)).0);
-            warm_start.update_blend(&mut particles, &ages[..3.min(step as usize)], 1.0, &comm);
+            warm_start.update_blend(&mut particles, &ages[..3.min(step as usize)], 1.0, None, &comm);
             warm_start.remember(&mut particles, step.into());
         }
-        let first = warm_start.guess(&mut particles, &[0.0], 1.0).stresslets_far[0];
+        let guessed = |particles: &mut Particles, ages: &[f64]| {
+            let past = warm_start.guess(particles, ages, 1.0).past.unwrap();
+            Traceless(std::array::from_fn(|axis| past.guess(0, axis)))
+        };
+        let first = guessed(&mut particles, &[0.0]);
         assert_eq!(first, stresslet(f64::from(steps) - 1.0), "with nothing known but the last value, that");
-        let found = warm_start.guess(&mut particles, &ages, 1.0).stresslets_far[0];
+        let found = guessed(&mut particles, &ages);
         let difference = found - stresslet(f64::from(steps));
         difference.contract(difference).sqrt()
     }
@@ -344,17 +332,7 @@ mod tests {
         let given = Loads { forces: vector(1.0), ..Loads::default() };
         let far = Loads { forces: vector(5.0), torques: vector(3.0), stresslets: vec![Traceless([1.0; 5])] };
         let induced = Motion { velocities: vector(7.0), angular_velocities: vector(9.0), ..Motion::default() };
-        let (motion, stresslets) = (Motion::default(), Vec::new());
-        let solved = Solution {
-            motion,
-            stresslets,
-            far: far.clone(),
-            constraint_loads: Loads::default(),
-            induced,
-            curvature: 0.0,
-            iterations: 1,
-            residual: 0.0,
-        };
+        let solved = Solution { far: far.clone(), induced, iterations: 1, ..Solution::default() };
         let mut particles = Particles::default();
         particles.push(0, Vector::ZERO, 1.0, 0);
         let warm_start = WarmStart::new(true);

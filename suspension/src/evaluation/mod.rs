@@ -40,7 +40,7 @@ use crate::neighbourhood::PairsWithHalo;
 use crate::swimmers::Swimmers;
 use domain::parallel::{FusedLoops, change_rows, copied, of_rows, stage};
 use domain::{DomainView, Interrupt, Interrupted, Particles, Partition, Vector};
-use fcm::Motion;
+use fcm::{GUESSED, Motion};
 use following::Following;
 use given_motions::GivenMotions;
 use hydrodynamics::{CoupledSolver, Guess, ShortRange, Solution, SolveInput, Springs};
@@ -72,6 +72,9 @@ pub struct Dynamics {
     given_motions: GivenMotions,
     axes: UserAxes,
 }
+
+/// Comparison of a solution with its guess, see [`fcm::CoupledSolution::compared`].
+type Comparison = [[f64; 2]; GUESSED];
 
 /// Results of previous solves: the initial guess of the next one, and the motions of the last one, empty unless forces
 /// follow them.
@@ -223,24 +226,33 @@ impl Dynamics {
         };
         let motion = if self.forces.follow_motion() { WarmStart::motion(particles) } else { Motion::default() };
         let previous = PreviousSolutions { guess, motion: &motion };
-        let outcome = match self.moving.search() {
+        let (outcome, compared) = match self.moving.search() {
             None => self.solve_at(particles, previous, moment)?,
-            Some(search) => self.drive(particles, search, previous, moment)?,
+            Some(search) => (self.drive(particles, search, previous, moment)?, None),
         };
         if self.rigid {
-            self.warm_start.update_blend(particles, &moment.ages, moment.since_last_solution, self.partition.comm());
+            let (ages, ahead) = (&moment.ages, moment.since_last_solution);
+            if compared.is_none() {
+                self.fetch(particles);
+            }
+            self.warm_start.update_blend(particles, ages, ahead, compared, self.partition.comm());
         }
         Ok(outcome)
     }
 
+    /// Brings the numbers of columns that are where the far field is evaluated.
+    pub fn fetch(&self, particles: &Particles) {
+        self.hydrodynamics.fetch(particles);
+    }
+
     /// Solves for the motions of the particles at their present positions, and writes them into the particles' columns.
-    /// Collective.
+    /// Returns a comparison with the guess too, if there is one. Collective.
     fn solve_at(
         &mut self,
         particles: &mut Particles,
         PreviousSolutions { guess, motion }: PreviousSolutions,
         moment: &StageTime,
-    ) -> Result<Outcome, StepError> {
+    ) -> Result<(Outcome, Option<Comparison>), StepError> {
         let expected =
             moment.implicit.map(|time| (time, self.relative(particles, EXPECTED), self.relative_rotation(particles)));
         let strain_rate = self.moving.predicted_strain_rate_change();
@@ -258,7 +270,7 @@ impl Dynamics {
         if self.forces.follow_motion() {
             self.pass_on_motion(particles, moment)?;
         }
-        Ok(Outcome::of(&solved))
+        Ok((Outcome::of(&solved), solved.kept.and_then(|kept| kept.compared)))
     }
 
     /// Passes the motions in the particles' columns on to the forces that follow them. Collective.
@@ -280,6 +292,9 @@ impl Dynamics {
         previous: &Motion,
     ) -> Result<Acting, StepError> {
         let _stage = stage("forces");
+        if self.forces.have_registered() {
+            self.fetch(particles);
+        }
         let Self { moving, partition, forces, .. } = self;
         let (domain, lists) = (DomainView { cell: moving.cell(), partition }, Rc::clone(forces.lists()));
         let mut at = Instant {
@@ -312,7 +327,9 @@ impl Dynamics {
         let (bodies, squirming) = (self.bodies(particles), self.squirming(particles));
         let (springs, bodies, squirming) = (springs.as_ref(), bodies.as_ref(), squirming.as_ref());
         let surface_forces = self.forces.surfaces_are_solved();
-        let acting = SolveInput { springs, bodies, squirming, ambient, surface_forces, constant_flux, ..input };
+        let keeps_columns = true;
+        let acting =
+            SolveInput { springs, bodies, squirming, ambient, surface_forces, keeps_columns, constant_flux, ..input };
         let solved = self.hydrodynamics.solve(self.moving.cell(), particles, &acting, guess);
         let solved = solved.map_err(|source| self.unsolved(source, particles, moment.clock.step()))?;
         if let Some(flux) = self.moving.flux() {
@@ -371,6 +388,13 @@ impl Dynamics {
         if self.rigid {
             let mut turned = self.with_rotation_of_flow(particles, &solved.motion.angular_velocities);
             self.add_own_rotation(particles, &mut turned);
+            if let Some(kept) = &solved.kept {
+                particles.column(ANGULAR_VELOCITY, 3).values = bytemuck::cast_slice(&turned).to_vec().into();
+                particles.column(STRESSLET, 5).values = kept.columns.stresslets.clone();
+                self.warm_start.record(particles, solved);
+                return;
+            }
+            self.fetch(particles);
             let [angular_velocities, stresslets] = particles.columns_of([ANGULAR_VELOCITY, STRESSLET], [3, 5]);
             let mut loops = FusedLoops::default();
             loops.copied(angular_velocities, bytemuck::cast_slice(&turned));

@@ -19,7 +19,8 @@ impl Dynamics {
     ) -> Result<Outcome, StepError> {
         loop {
             self.moving.set_rate(search.rate());
-            let outcome = self.solve_at(particles, PreviousSolutions { guess, motion }, moment)?;
+            let (outcome, _) = self.solve_at(particles, PreviousSolutions { guess, motion }, moment)?;
+            self.fetch(particles);
             let stress = self.stress_at(particles, moment);
             if !search.goes_on(stress) {
                 if let Some(driven) = self.moving.driven() {

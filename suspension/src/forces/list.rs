@@ -128,6 +128,11 @@ impl Forces {
         self.search(largest_radius, partition);
     }
 
+    /// Whether the user registered forces, which may read any column.
+    pub fn have_registered(&self) -> bool {
+        !self.registered.is_empty()
+    }
+
     /// Removes the force that was registered last.
     pub fn remove_last(&mut self, largest_radius: f64, partition: &Partition) {
         self.registered.pop();

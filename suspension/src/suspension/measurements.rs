@@ -42,7 +42,7 @@ impl Suspension {
     pub fn stress(&self, species: usize) -> Vec<ParticleStress> {
         let (volume, moments) = (self.cell().volume(), self.moments());
         let active = self.dynamics.active_stresslets(&self.particles);
-        ParticleStress::by_species(&self.particles, moments, active.as_deref(), species, volume, &self.comm)
+        ParticleStress::by_species(self.particles(), moments, active.as_deref(), species, volume, &self.comm)
     }
 
     /// Contribution of each particle to the first moments of all forces between spheres, and to the moments of walls.

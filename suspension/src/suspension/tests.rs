@@ -1,10 +1,13 @@
 //! Runs whose far field and forces between surfaces an emulator of a card computes, against those of the host.
 
 use super::Suspension;
-use crate::model::{Adaptive, Flow, Hydrodynamics, Integrator, Model, Parameters, Repulsion, Species};
-use domain::{Comm, PeriodicBox, Vector};
+use crate::columns::{ANGULAR_VELOCITY, STRESSLET, STRESSLET_FAR, VELOCITY};
+use crate::model::{Adaptive, Flow, Hydrodynamics, Integrator, Model, Parameters, Protocol, Repulsion, Species};
+use crate::scalars::BLEND;
+use domain::{Comm, Interrupt, PeriodicBox, Vector};
 use fcm::Method;
 use gpu::{Counted, Device, Emulator, SharedCounts};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Steps, of which the first three are those of the Runge-Kutta method.
 const STEPS: u64 = 5;
@@ -92,6 +95,80 @@ fn spheres_move_as_on_the_host() {
         // Four evaluations in each of the first three steps, and one in the others.
         assert_eq!(counts.borrow().runs["surface_forces_f32"], 4 * 3 + STEPS - 3);
     }
+}
+
+/// Columns of solutions stay on the card until something reads them, and then have the numbers of the host. A step
+/// copies positions, places in the order of ids, and motions.
+#[test]
+fn columns_stay_on_the_card() {
+    let model = sheared();
+    let (device, counts) = emulator(1);
+    let mut card = advanced(on(started(&model, None), device), STEPS + 2);
+    let before = counts.borrow().clone();
+    card.step().unwrap();
+    let copied = |after: [u64; 2], before: [u64; 2]| (after[1] - before[1]) as f64 / 20.0;
+    let after = counts.borrow().clone();
+    let [up, down] = [copied(after.uploads, before.uploads), copied(after.downloads, before.downloads)];
+    // Groups of spheres and the settings of iterations take a part that large suspensions do not have.
+    assert!(up < 24.0 + 4.0 + 150.0 && down < 48.0 + 150.0, "{up} and {down} bytes a sphere");
+    let is_here = |name: &str| card.particles.columns.iter().find(|c| c.name == name).unwrap().values.is_here();
+    assert!(is_here(VELOCITY) && is_here(ANGULAR_VELOCITY) && !is_here(STRESSLET) && !is_here(STRESSLET_FAR));
+    let mut host = advanced(started(&model, None), STEPS + 3);
+    let [of_card, of_host] = [&mut card, &mut host].map(|run| run.state().particles);
+    assert_eq!(of_card.ids, of_host.ids);
+    assert_eq!(of_card.columns.len(), of_host.columns.len());
+    for (found, exact) in of_card.columns.iter().zip(&of_host.columns) {
+        let square = |values: &mut dyn Iterator<Item = f64>| values.map(|value| value * value).sum::<f64>().sqrt();
+        let error = square(&mut found.values.iter().zip(exact.values.iter()).map(|(found, exact)| found - exact));
+        let size = square(&mut exact.values.iter().copied());
+        // The weights of the parabola are quotients of differences as small as errors of the solves.
+        let allowed = if found.name == BLEND { 2e-2 } else { 1e-3 };
+        assert!(found.name == exact.name && error <= allowed * size, "{}: {error:e} of {size:e}", found.name);
+    }
+}
+
+/// A run whose columns are read after each step has the bits of one that keeps them on the card; so has one that goes
+/// back to the start of a step that was interrupted.
+#[test]
+fn reading_columns_and_going_back_change_nothing() {
+    let model = sheared();
+    let mut kept = advanced(on(started(&model, None), emulator(1).0), STEPS);
+    let mut read = on(started(&model, None), emulator(1).0);
+    for _ in 0..STEPS {
+        assert!(read.particles().columns.iter().all(|column| column.values.is_here()));
+        read.step().unwrap();
+    }
+    let mut interrupted = on(started(&model, None), emulator(1).0);
+    for step in 0..STEPS {
+        if step == STEPS - 1 {
+            // Within the iteration of the solve.
+            let checks = AtomicUsize::new(0);
+            interrupted.listen(Interrupt::when(move || checks.fetch_add(1, Ordering::Relaxed) == 2));
+            interrupted.step().unwrap_err();
+            interrupted.listen(Interrupt::NEVER);
+        }
+        interrupted.step().unwrap();
+    }
+    let state = kept.state();
+    assert_eq!(read.state(), state);
+    assert_eq!(interrupted.state(), state);
+}
+
+/// Implicit steps under a given stress, whose solves start from each other.
+#[test]
+fn a_given_stress_shears_as_on_the_host() {
+    let model = model([6, 4], |parameters| {
+        parameters.flow = Flow::Shear { rate: 1.0, lees_edwards: true };
+        parameters.protocol = Protocol::Stress(1.5);
+        parameters.hydrodynamics.lubrication = true;
+        parameters.repulsion = Some(Repulsion { radius_power: 2, range: Some(0.2), ..Repulsion::new(20.0) });
+        parameters.integrator = Integrator::Implicit(Adaptive::default());
+    });
+    let start = started(&model, None);
+    let [host, card] = [started(&model, None), on(started(&model, None), emulator(1).0)].map(|run| advanced(run, 3));
+    assert!(distance(&card, &host) < 1e-3 * distance(&start, &host));
+    let [of_card, of_host] = [&card, &host].map(|run| run.shear()[0]);
+    assert!((of_card / of_host - 1.0).abs() < 1e-4 && (of_host - 1.0).abs() > 1e-2, "{of_card} and {of_host}");
 }
 
 /// A run that is resumed on another card, whose threads run in another order, has the bits of one that is not; on the

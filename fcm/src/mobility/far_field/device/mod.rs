@@ -8,6 +8,7 @@
 
 mod coupled;
 mod images;
+mod kept_lists;
 mod present;
 mod random_motions;
 mod rigid;
@@ -25,13 +26,15 @@ use crate::mobility::noise::NoiseRequest;
 use crate::mobility::work::Work;
 use crate::plan::Plan;
 use crate::plan::device::number_of_card;
+use coupled::SolutionLists;
 use domain::parallel::{equal, mapped};
-use domain::{Halo, Particles, Partition, PeriodicBox, Traceless, Units, Vector, sphere};
+use domain::{Halo, Particles, Partition, PeriodicBox, RemoteHolder, Traceless, Units, Vector, remote_list, sphere};
 use gpu::{
-    Cuda, Device, DeviceError, DeviceMotion, LoadFactors, NearInFlow, NearInput, NearTables, PairDraw, PlacedParticles,
+    ColumnUnits, Cuda, Device, DeviceError, DeviceMotion, LoadFactors, NearInput, NearTables, PairDraw, PlacedParticles,
     SplitFarField, SurfaceLaws,
 };
 use images::{HostImages, PlacedClasses};
+use kept_lists::KeptLists;
 use present::{PresentLoads, RankPeers, grid_share};
 use rigid::{ResidentProblem, ResidentSolution};
 use std::cell::RefCell;
@@ -46,6 +49,10 @@ pub(crate) struct DeviceFarField {
     units: Units,
     tables: PlanTables,
     split: SharedField,
+    /// Columns of solutions.
+    kept: Rc<KeptLists>,
+    /// Place of each particle in the order of ids.
+    places: Vec<u32>,
     /// Images in walls, if there are any.
     images: Option<HostImages>,
     particles: Particles,
@@ -59,6 +66,8 @@ pub(crate) struct DeviceFarField {
     work: Work,
     /// Largest resistance of a single sphere in a solve with near pairs.
     largest_resistance: f64,
+    /// Force between surfaces in contact that is added to the loads of such a solve.
+    largest_surface_force: f64,
 }
 
 /// Result of a device, whose failures end the run.
@@ -87,12 +96,15 @@ impl DeviceFarField {
         let own = plan.in_units(&units);
         let tables = PlanTables::new(&own);
         let split = succeeded(SplitFarField::new(device, tables.split(&own, grid_share(&own, partition))));
+        let split = Rc::new(RefCell::new(split));
         Self {
             plan: plan.clone(),
             partition: partition.clone(),
             units,
             tables,
-            split: Rc::new(RefCell::new(split)),
+            kept: Rc::new(KeptLists::new(&split)),
+            places: Vec::new(),
+            split,
             images: HostImages::new(&own, partition),
             particles: Particles::default(),
             halo: Rc::new(present::halo(plan, &units, partition, &own.cell(), &[])),
@@ -101,6 +113,7 @@ impl DeviceFarField {
             host: None,
             work: Work::default(),
             largest_resistance: 0.0,
+            largest_surface_force: 0.0,
         }
     }
 
@@ -206,7 +219,11 @@ impl FarField for DeviceFarField {
             succeeded(self.split.borrow_mut().set_images(&images.of(&own, present, halo.owned())));
         }
         self.halo = halo;
-        (self.cell, self.particles) = (*cell, particles.clone());
+        if self.particles.ids != particles.ids {
+            self.places = remote_list::places_by_id(&particles.ids);
+            succeeded(self.split.borrow_mut().set_places(&self.places));
+        }
+        (self.cell, self.particles) = (*cell, particles.without_columns());
         if let Some((_, is_arranged)) = &mut self.host {
             *is_arranged = false;
         }
@@ -295,8 +312,9 @@ impl SurfaceFarField for DeviceFarField {
 }
 
 impl CoupledFarField for DeviceFarField {
-    fn assemble(&mut self, tables: &dyn Fn() -> NearTables, input: &NearInput) -> NearInFlow {
+    fn assemble(&mut self, tables: &dyn Fn() -> NearTables, input: &NearInput) -> [usize; 2] {
         self.copy_near_tables(tables);
+        self.largest_surface_force = input.surface.map_or(0.0, SurfaceLaws::largest);
         succeeded(self.split.borrow_mut().assemble_near(input))
     }
 
@@ -310,28 +328,39 @@ impl CoupledFarField for DeviceFarField {
         succeeded(self.split.borrow_mut().random_pair_loads(&draw))
     }
 
+    fn in_flow(&mut self) -> Vec<[f64; 11]> {
+        succeeded(self.split.borrow_mut().near_in_flow()).as_chunks().0.to_vec()
+    }
+
     fn solve(&mut self, problem: &CoupledProblem) -> CoupledSolution {
-        let largest = largest_load(problem, self.largest_resistance);
+        let largest = largest_load(problem, self.largest_resistance, self.largest_surface_force);
         let (own, given) = (self.units.with_force(largest), problem.units);
         self.units = own;
+        let units = ColumnUnits { velocity: given.velocity(), rate: given.rate(), torque: given.torque() };
         let factors = LoadFactors {
             force: 1.0 / own.force,
             torque: given.torque() / own.torque(),
             velocity: own.velocity() / given.velocity(),
             rate: own.rate() / given.rate(),
         };
-        let solution = coupled::solve(&self.split, problem, &factors, &self.tables.orders([true; 2], [true; 2]));
+        self.kept.release_unused();
+        let lists = SolutionLists { kept: &self.kept, places: &self.places, units };
+        let orders = self.tables.orders([true; 2], [true; 2]);
+        let solution = coupled::solve(&self.split, problem, &lists, &factors, &orders);
         self.note_evaluations(1 + solution.outcome.iterations as u64, [true; 2]);
         solution
     }
+
+    fn holder(&self) -> Rc<dyn RemoteHolder> {
+        Rc::clone(&self.kept) as Rc<dyn RemoteHolder>
+    }
 }
 
-/// Largest load of a problem: one that is given, or by which single spheres with a resistance of at most this size
-/// resist ambient motions and strain.
-fn largest_load(problem: &CoupledProblem, resistance: f64) -> f64 {
+/// Largest load of a problem: one that is given, a force between surfaces, or that by which single spheres with a
+/// resistance of at most this size resist ambient motions and strain.
+fn largest_load(problem: &CoupledProblem, resistance: f64, surface: f64) -> f64 {
     let largest = |list: &mut dyn Iterator<Item = f64>| list.map(f64::abs).fold(0.0, f64::max);
-    let CoupledProblem { loads, start, ambient, background, .. } = problem;
+    let CoupledProblem { loads, ambient, background, .. } = problem;
     let moved = largest(&mut ambient.iter().chain(background).copied());
-    let given = loads.iter().chain(&start.loads).chain(&start.moments).copied();
-    largest(&mut given.chain([resistance * moved]))
+    largest(&mut loads.iter().copied().chain([surface, resistance * moved]))
 }

@@ -5,14 +5,16 @@
 
 mod preconditioner;
 
+use super::kept_lists::KeptLists;
 use super::succeeded;
 use super::vectors::{ResidentVector, SharedField};
 use crate::conjugate_gradients::{InnerProducts, Iterate, SteppedSystem, Turn, conjugate_gradients};
-use crate::mobility::coupled::{CoupledProblem, CoupledSolution};
-use domain::Comm;
+use crate::mobility::coupled::{CoupledProblem, CoupledSolution, SolutionColumns};
+use crate::mobility::loads::Motion;
+use domain::{ColumnValues, Comm, Vector};
 use gpu::{
-    CoupledDirection, CoupledSums, CoupledVectors, KnownInput, LoadFactors, Orders, PairSet, PairSolve, RESIDUALS,
-    StartInput, UNKNOWNS,
+    COLUMNS, ColumnUnits, CoupledDirection, CoupledSums, CoupledVectors, GuessedVectors, KnownInput, LoadFactors,
+    Orders, PairSet, PairSolve, RESIDUALS, StartInput, StoredResult, UNKNOWNS,
 };
 use preconditioner::ResidentPreconditioner;
 
@@ -20,11 +22,22 @@ use preconditioner::ResidentPreconditioner;
 const SIX: usize = 6;
 const FIVE: usize = 5;
 
+/// Columns of solutions, and the units of the host over those of a solve.
+pub(super) struct SolutionLists<'a> {
+    /// The columns.
+    pub kept: &'a KeptLists,
+    /// Place of each particle in them.
+    pub places: &'a [u32],
+    /// Units.
+    pub units: ColumnUnits,
+}
+
 /// The coupled system on a device.
 struct ResidentSystem<'a> {
     field: SharedField,
     matrix: ResidentPreconditioner,
     image: ResidentVector,
+    known: ResidentVector,
     orders: &'a Orders,
     count: usize,
     /// The last sums.
@@ -35,54 +48,77 @@ struct ResidentSystem<'a> {
 pub(super) fn solve(
     field: &SharedField,
     problem: &CoupledProblem,
+    lists: &SolutionLists,
     factors: &LoadFactors,
     orders: &Orders,
 ) -> CoupledSolution {
-    let count = problem.loads.len() / SIX;
+    let count = lists.places.len();
     succeeded(field.borrow_mut().begin_coupled(problem.background, factors));
     let mut system = ResidentSystem {
         field: field.clone(),
-        matrix: ResidentPreconditioner::new(field, &problem.start.loads, problem.tolerances.preconditioner),
+        matrix: ResidentPreconditioner::new(field, SIX * count, problem.tolerances.preconditioner),
         image: ResidentVector::wide(field, RESIDUALS * count),
+        known: ResidentVector::wide(field, SIX * count),
         orders,
         count,
         sums: CoupledSums::default(),
     };
     let [mut x, mut z] = [(); 2].map(|()| ResidentVector::wide(field, UNKNOWNS * count));
     let mut residual = ResidentVector::wide(field, RESIDUALS * count);
-    system.start(problem, [&x, &residual]);
+    let columns = system.start(problem, lists, [&x, &residual]);
     let iterate = Iterate { x: &mut x, residual: &mut residual, z: &mut z };
     let outcome = conjugate_gradients(problem.comm, &mut system, iterate, problem.limits);
-    let values = system.finish(&system.vectors([&x, &residual, &z]), problem.tolerances.end);
-    let (motions, rest) = values.split_at(SIX * count);
-    let (loads, rest) = rest.split_at(SIX * count);
-    let (moments, rest) = rest.split_at(FIVE * count);
-    let (strain_rates, first_moments) = rest.split_at(FIVE * count);
-    let [motions, loads] = [motions, loads].map(<[f64]>::to_vec);
-    let [moments, strain_rates, first_moments] = [moments, strain_rates, first_moments].map(<[f64]>::to_vec);
-    CoupledSolution { motions, loads, moments, strain_rates, first_moments, outcome }
+    let are_known = problem.past.are_known();
+    let StoredResult { motions, compared } = system.finish(problem, &system.vectors([&x, &residual, &z]), are_known);
+    let (velocities, angular_velocities) = motions.split_at(3 * count);
+    let vectors = |list: &[f64]| list.as_chunks().0.iter().map(|&v| Vector::from_array(v)).collect();
+    let motion = Motion {
+        velocities: vectors(velocities),
+        angular_velocities: vectors(angular_velocities),
+        strain_rates: Vec::new(),
+    };
+    let [stresslet, induced, induced_rotation, velocity, rotation, forces, torques, stresslets, strain_rates] = columns;
+    velocity.receive(velocities.to_vec());
+    rotation.receive(angular_velocities.to_vec());
+    let guessed = [stresslet, induced, induced_rotation, velocity, rotation];
+    let columns = SolutionColumns { guessed, forces, torques, stresslets, strain_rates };
+    CoupledSolution { motion, columns, compared: are_known.then_some(compared), outcome }
 }
 
 impl ResidentSystem<'_> {
-    /// Unknowns and residual from which the iteration starts: the motions that near pairs have under the loads of the
-    /// start.
-    fn start(&self, problem: &CoupledProblem, [x, residual]: [&ResidentVector; 2]) {
-        let field = &self.field;
-        let motions = ResidentVector::wide_of(field, &problem.start.motions);
-        let near_loads = ResidentVector::wide(field, SIX * self.count);
+    /// Unknowns and residual from which the iteration starts: the motions that near pairs have under the loads that
+    /// the past solutions lead to. Returns the columns of the solution, which are not known yet.
+    fn start(
+        &self,
+        problem: &CoupledProblem,
+        lists: &SolutionLists,
+        [x, residual]: [&ResidentVector; 2],
+    ) -> [ColumnValues; COLUMNS] {
+        let (field, count) = (&self.field, self.count);
+        let [motions, near_loads] = [(); 2].map(|()| ResidentVector::wide(field, SIX * count));
+        let moments = ResidentVector::wide(field, FIVE * count);
         let (of_motions, of_loads) = (motions.list, near_loads.list);
+        let given = some_of(problem.loads).map(|values| ResidentVector::wide_of(field, values));
+        let past = lists.kept.of(problem.past, lists.places);
+        let (found, columns) = lists.kept.solution(count);
         let vectors = self.matrix.vectors();
+        let guessed = GuessedVectors {
+            known: self.known.list,
+            motions: of_motions,
+            moving: vectors.given,
+            moments: moments.list,
+        };
+        let given = given.as_ref().map(|vector| vector.list);
+        succeeded(field.borrow_mut().guess_coupled(&past, &found, lists.units, given, &guessed));
         let solve = PairSolve { pairs: PairSet::All, motions: of_motions, loads: of_loads, vectors };
         let limits = ResidentPreconditioner::limits_of(problem.tolerances.start);
         succeeded(field.borrow_mut().solve_pairs(&solve, limits));
-        let moments = ResidentVector::wide_of(field, &problem.start.moments);
         let start = StartInput { motions: of_motions, loads: of_loads, moments: moments.list };
-        let loads = ResidentVector::wide_of(field, problem.loads);
-        let given = Some(&problem.ambient).filter(|list| !list.is_empty());
-        let ambient = given.map(|values| ResidentVector::wide_of(field, values));
-        let known = KnownInput { loads: loads.list, ambient: ambient.as_ref().map(|vector| vector.list) };
+        let ambient = some_of(&problem.ambient).map(|values| ResidentVector::wide_of(field, values));
+        let known = KnownInput { loads: self.known.list, ambient: ambient.as_ref().map(|vector| vector.list) };
         let lists = [&x.list, &residual.list];
         succeeded(field.borrow_mut().start_coupled(lists, &start, &known, self.orders));
+        columns
     }
 
     fn vectors(&self, [x, residual, z]: [&ResidentVector; 3]) -> CoupledVectors {
@@ -97,16 +133,22 @@ impl ResidentSystem<'_> {
         InnerProducts { product, former, error, size }
     }
 
-    /// Result after a last correction, the preconditioned residual, which is refined to an error of `tolerance` in the
-    /// near field.
-    fn finish(&mut self, at: &CoupledVectors, tolerance: f64) -> Vec<f64> {
+    /// Result after a last correction, the preconditioned residual, which is refined in the near field.
+    fn finish(&mut self, problem: &CoupledProblem, at: &CoupledVectors, is_compared: bool) -> StoredResult {
         let [.., of_x, of_z] = self.sums;
+        let moments = some_of(problem.moments).map(|values| ResidentVector::wide_of(&self.field, values));
+        let moments = moments.as_ref().map(|vector| vector.list);
         let mut field = self.field.borrow_mut();
-        if self.matrix.tighten_to(tolerance * (of_x / of_z).sqrt()) {
+        if self.matrix.tighten_to(problem.tolerances.end * (of_x / of_z).sqrt()) {
             succeeded(field.refine_coupled(at, self.matrix.limits()));
         }
-        succeeded(field.coupled_result(at))
+        succeeded(field.store_coupled(at, &self.known.list, moments, is_compared))
     }
+}
+
+/// A list that is not empty.
+fn some_of(values: &[f64]) -> Option<&[f64]> {
+    Some(values).filter(|values| !values.is_empty())
 }
 
 impl SteppedSystem for ResidentSystem<'_> {

@@ -23,10 +23,10 @@ pub(super) struct ResidentPreconditioner {
 }
 
 impl ResidentPreconditioner {
-    /// With given loads of the first solve, and the relative error of those of stiff pairs.
-    pub fn new(field: &SharedField, loads: &[f64], tolerance: f64) -> Self {
-        let given = ResidentVector::wide_of(field, loads);
-        let [residual, preconditioned, even, odd, image] = [(); 5].map(|()| ResidentVector::wide(field, loads.len()));
+    /// With vectors of some numbers, and the relative error of solves with stiff pairs.
+    pub fn new(field: &SharedField, numbers: usize, tolerance: f64) -> Self {
+        let [given, residual, preconditioned, even, odd, image] =
+            [(); 6].map(|()| ResidentVector::wide(field, numbers));
         Self { given, residual, preconditioned, directions: [even, odd], image, tolerance }
     }
 

@@ -1,0 +1,64 @@
+//! Lists of numbers that are where they were computed until the host reads them.
+
+use crate::ColumnValues;
+use crate::rows::{RowMove, Selection};
+use std::sync::Arc;
+
+/// A list of numbers of particles, in the order of their ids, that another memory than the host's holds. Clones stand
+/// for the same list, which its holder may release when all of them but its own are gone.
+#[derive(Debug, Clone, Default)]
+pub struct RemoteList(Arc<()>);
+
+impl RemoteList {
+    /// A list that no other stands for.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Whether there are no clones.
+    pub fn is_alone(&self) -> bool {
+        Arc::strong_count(&self.0) == 1
+    }
+}
+
+impl PartialEq for RemoteList {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+}
+
+impl Eq for RemoteList {}
+
+/// A memory that holds lists of numbers of particles.
+pub trait RemoteHolder {
+    /// Copies of lists that it holds, in the order of the particles' ids.
+    fn copies(&self, lists: &[&RemoteList]) -> Vec<Vec<f64>>;
+}
+
+/// Place of each id in their order, from 0 on.
+pub fn places_by_id(ids: &[u64]) -> Vec<u32> {
+    let mut order: Vec<u32> = (0..ids.len() as u32).collect();
+    order.sort_unstable_by_key(|&row| ids[row as usize]);
+    let mut places = vec![0; ids.len()];
+    order.iter().zip(0..).for_each(|(&row, place)| places[row as usize] = place);
+    places
+}
+
+/// Copies the numbers of columns, with their widths, for particles with these ids from the memory that holds them;
+/// those that are here are left alone.
+pub fn fetch(ids: &[u64], columns: &[(&ColumnValues, usize)], holder: &dyn RemoteHolder) {
+    let mut missing: Vec<(&ColumnValues, usize)> = Vec::new();
+    for &(values, width) in columns.iter().filter(|(values, _)| !values.is_here()) {
+        if !missing.iter().any(|(other, _)| other.shares_memory_with(values)) {
+            missing.push((values, width));
+        }
+    }
+    if missing.is_empty() {
+        return;
+    }
+    let rows: Vec<usize> = places_by_id(ids).into_iter().map(|place| place as usize).collect();
+    let lists: Vec<&RemoteList> = missing.iter().filter_map(|(values, _)| values.remote_list()).collect();
+    for ((values, width), copy) in missing.iter().zip(holder.copies(&lists)) {
+        values.receive(Selection(&rows).of(&copy, *width));
+    }
+}

@@ -1,0 +1,94 @@
+//! Columns of solutions that stay in the memory of a device until they are read.
+
+use super::succeeded;
+use super::vectors::SharedField;
+use crate::mobility::past_solutions::PastSolutions;
+use domain::{ColumnValues, RemoteHolder, RemoteList};
+use gpu::{COLUMN_WIDTHS, COLUMNS, DeviceList, PastLists};
+use std::cell::RefCell;
+
+/// Lists of numbers of particles in the memory of a device, in the order of ids.
+pub(super) struct KeptLists {
+    field: SharedField,
+    lists: RefCell<Vec<(RemoteList, DeviceList)>>,
+}
+
+impl KeptLists {
+    /// No lists.
+    pub fn new(field: &SharedField) -> Self {
+        Self { field: field.clone(), lists: RefCell::default() }
+    }
+
+    /// Columns of a solution for some particles, whose values are undefined, and what stands for them.
+    pub fn solution(&self, particles: usize) -> ([DeviceList; COLUMNS], [ColumnValues; COLUMNS]) {
+        let lists = COLUMN_WIDTHS.map(|width| succeeded(self.field.borrow_mut().wide_list(width * particles)));
+        (lists, lists.map(|list| ColumnValues::remote(self.keep(list))))
+    }
+
+    fn keep(&self, list: DeviceList) -> RemoteList {
+        let remote = RemoteList::new();
+        self.lists.borrow_mut().push((remote.clone(), list));
+        remote
+    }
+
+    fn find(&self, remote: &RemoteList) -> Option<DeviceList> {
+        self.lists.borrow().iter().find(|(kept, _)| kept == remote).map(|(_, list)| *list)
+    }
+
+    /// Lists of past solutions, which are copied to the device if they are not there, by the places of rows in the
+    /// order of ids. Copies are kept until unused lists are released.
+    pub fn of(&self, past: &PastSolutions, places: &[u32]) -> PastLists {
+        let mut copies: Vec<(&ColumnValues, DeviceList)> = Vec::new();
+        let lists = past.columns.each_ref().map(|column| {
+            let is_known = column[0].remote_list().is_some() || !column[0].is_empty();
+            is_known.then(|| {
+                column.each_ref().map(|values| {
+                    let is_copied = |copied: &&ColumnValues| copied.shares_memory_with(values);
+                    let copy = copies.iter().find(|(copied, _)| is_copied(&copied)).map(|&(_, list)| list);
+                    let known = values.remote_list().and_then(|remote| self.find(remote)).or(copy);
+                    known.unwrap_or_else(|| {
+                        let list = self.copied(values, places);
+                        copies.push((values, list));
+                        list
+                    })
+                })
+            })
+        });
+        let &PastSolutions { line, parabola, blend, .. } = past;
+        PastLists { lists, line, parabola, blend }
+    }
+
+    /// A copy of a list whose rows have some places.
+    fn copied(&self, values: &[f64], places: &[u32]) -> DeviceList {
+        let width = values.len() / places.len().max(1);
+        let mut by_place = vec![0.0; values.len()];
+        for (row, &place) in values.chunks_exact(width.max(1)).zip(places) {
+            by_place[width * place as usize..][..width].copy_from_slice(row);
+        }
+        let mut field = self.field.borrow_mut();
+        let list = succeeded(field.wide_list(values.len()));
+        succeeded(field.fill(&list, &by_place));
+        self.keep(list);
+        list
+    }
+
+    /// Releases the lists that nothing refers to.
+    pub fn release_unused(&self) {
+        self.lists.borrow_mut().retain(|(remote, list)| {
+            if remote.is_alone() {
+                self.field.borrow_mut().release(list);
+            }
+            !remote.is_alone()
+        });
+    }
+}
+
+impl RemoteHolder for KeptLists {
+    fn copies(&self, lists: &[&RemoteList]) -> Vec<Vec<f64>> {
+        let of = |remote: &&RemoteList| {
+            let list = self.find(remote).expect("a list is kept as long as something stands for it");
+            succeeded(self.field.borrow_mut().values_of(&list))
+        };
+        lists.iter().map(of).collect()
+    }
+}
