@@ -122,7 +122,7 @@ impl CountedCase {
             }
             cell = self.cell(STRAIN + step as f64 * STEP)?;
             particles.wrap(&cell);
-            past.extend_front(solution.kept.map(|kept| kept.columns));
+            solution.kept.into_iter().for_each(|kept| past.push_front(kept.columns));
             past.truncate(PARABOLA.len());
         }
         let before = counts.borrow().clone();
