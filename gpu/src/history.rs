@@ -121,7 +121,7 @@ impl SplitFarField {
         let ambient = given.map_or(0, |list| list.address);
         let [image, unknowns, stiff_loads, list_y] =
             [at.known, at.motions, at.moving, at.moments].map(|list| list.address);
-        let task = KernelTask { ambient, image, unknowns, stiff_loads, list_y, ..self.task };
+        let task = KernelTask { list_y, unknowns, image, stiff_loads, ambient, ..self.task };
         self.launch_particles("guess_all", &task)
     }
 
@@ -148,7 +148,7 @@ impl SplitFarField {
             field.gather_coupled(at, &result, moments)?;
             let (list_x, list_sums, list_size) = (moments, sums, blocks as i64);
             let task =
-                KernelTask { direction, image, ambient, list_x, list_weights, list_sums, list_size, ..field.task };
+                KernelTask { list_x, list_weights, list_sums, direction, image, ambient, list_size, ..field.task };
             field.launch_particles("store_all", &task)?;
             if is_compared {
                 field.launch_particles("compare_all", &task)?;
