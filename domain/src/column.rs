@@ -42,7 +42,8 @@ pub struct ColumnError {
 /// ```
 ///
 /// The list may be where it was computed, as a [`RemoteList`]. It is read as any other once
-/// [`crate::Particles::fetch`] has brought a copy; numbers that are changed here are no longer those of the remote list.
+/// [`crate::Particles::fetch`] has brought a copy; numbers that are changed here are no longer those of the remote
+/// list.
 #[derive(Debug, Clone)]
 pub struct ColumnValues(Arc<Stored>);
 

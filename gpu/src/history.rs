@@ -26,8 +26,8 @@ pub const PAST: usize = 3;
 pub(crate) const SOLUTION: usize = 3 * 5 + 6 * 3;
 const GUESS: usize = 5 + 4 * 3;
 
-/// Numbers of a particle that steps keep besides a new solution: the one before, and the columns from which solves start
-/// of those before it, one more than are extrapolated while a step may fail.
+/// Numbers of a particle that steps keep besides a new solution: the one before, and the columns from which solves
+/// start of those before it, one more than are extrapolated while a step may fail.
 pub(crate) const KEPT: usize = SOLUTION + PAST * GUESS;
 
 /// Sums of a comparison with a guess: two for each column from which a solve starts.

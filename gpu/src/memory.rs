@@ -69,8 +69,8 @@ impl NearSize {
         let pair = |value: usize| (PAIR_NUMBERS * value + 2 * 4) as f64;
         let pairs = self.stiff * pair(size_of::<f64>()) + self.soft * pair(self.numbers.size());
         // Unknowns, preconditioned residual and direction; residual and image of the direction; six vectors of the
-        // preconditioner, motions and loads of the start, known loads, and given ones or motions for the host; stresslets
-        // of the start or given moments, and ambient motions; the result; a solution, and places in the order of ids.
+        // preconditioner, motions and loads of the start, known loads, and given ones or motions for the host;
+        // stresslets of the start or given moments, and ambient motions; the result; a solution, and places of ids.
         let vectors = 8 * (3 * UNKNOWNS + 2 * RESIDUALS + 10 * 6 + 5 + 11 + RESULTS + SOLUTION) + 4;
         let groups = group_bytes(self.particles as usize) as f64;
         self.tables + pairs + groups + (ROW_BYTES + vectors) as f64 * self.particles

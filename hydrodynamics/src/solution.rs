@@ -5,7 +5,7 @@ use crate::bodies::RigidBodies;
 use crate::springs::Springs;
 use crate::squirming::Squirming;
 use domain::parallel::FusedLoops;
-use domain::{Traceless, Vector};
+use domain::{RemoteHolder, Traceless, Vector, remote_columns};
 use fcm::{GUESSED, Loads, Motion, PastSolutions, SolutionColumns};
 
 /// Input of a solve: loads, ambient flow, implicit springs.
@@ -112,9 +112,14 @@ impl Guess {
         }
     }
 
-    /// The same as lists. Numbers of past solutions must be here.
-    pub(crate) fn listed(self) -> Self {
+    /// The same as lists, for particles with these ids. A memory may hold columns of past solutions.
+    pub(crate) fn listed(self, ids: &[u64], holder: Option<&dyn RemoteHolder>) -> Self {
         let Some(past) = self.past else { return self };
+        if let Some(holder) = holder {
+            let width = |k: usize| if k == 0 { 5 } else { 3 };
+            let columns = past.columns.iter().enumerate().flat_map(|(k, list)| list.iter().map(move |v| (v, width(k))));
+            remote_columns::fetch(ids, &columns.collect::<Vec<_>>(), holder);
+        }
         let (mut guess, past) = (Self::default(), &past);
         let Self {
             stresslets_far, induced_velocities, induced_angular_velocities, velocities, angular_velocities, ..

@@ -4,7 +4,7 @@ use super::Particles;
 use crate::column::{Column, ColumnValues};
 use crate::parallel::{FusedLoops, MeasuredLoop, of_rows};
 use crate::rows::{RowExchange, RowMove, Selection};
-use crate::{Comm, RemoteHolder, Scalars, Vector, remote_list};
+use crate::{Comm, RemoteHolder, Scalars, Vector, remote_columns};
 use rayon::prelude::*;
 
 /// A saved state, row by row with the particles, wherever they move: numbers of columns that have not changed since
@@ -98,7 +98,7 @@ impl Particles {
     pub fn fetch(&self, holder: &dyn RemoteHolder) {
         let saved = self.saved.iter().flat_map(|saved| &saved.columns);
         let columns: Vec<_> = self.columns.iter().chain(saved).map(|column| (&column.values, column.width)).collect();
-        remote_list::fetch(&self.ids, &columns, holder);
+        remote_columns::fetch(&self.ids, &columns, holder);
     }
 
     /// Columns, followed by those of the saved state.

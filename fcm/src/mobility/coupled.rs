@@ -90,7 +90,7 @@ pub struct CoupledSolution {
 /// Columns of a solution in the original units.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SolutionColumns {
-    /// Those from which later solves start, in the order of [`PastSolutions::columns`].
+    /// Columns from which later solves start, in the order of [`PastSolutions::columns`].
     pub guessed: [ColumnValues; GUESSED],
     /// Forces on the far field.
     pub forces: ColumnValues,

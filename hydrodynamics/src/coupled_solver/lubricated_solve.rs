@@ -13,7 +13,7 @@ use crate::system::{CoupledSystem, FinalIterate, SingleSpheres, SystemSolution, 
 use crate::units::{self, Scaled};
 use crate::unknowns::Unknowns;
 use domain::parallel::{FusedLoops, all_rows};
-use domain::{Comm, Interrupt, Interrupted, Particles, Traceless, Units, Vector};
+use domain::{Comm, Interrupt, Interrupted, Particles, RemoteHolder, Traceless, Units, Vector};
 use fcm::{
     Iterate, IterationOutcome, Limits, Linear, Loads, Motion, Multipoles, Plan, SolveError, conjugate_gradients,
 };
@@ -23,6 +23,8 @@ pub(super) struct LubricatedSolve<'a> {
     pub(super) comm: &'a Comm,
     pub(super) interrupt: &'a Interrupt,
     pub(super) near: &'a NearPairs,
+    /// The memory that holds columns of past solutions, if there is one.
+    pub(super) holder: Option<&'a dyn RemoteHolder>,
     pub(super) bodies: Option<&'a RigidBodies>,
     pub(super) is_preconditioned: bool,
     /// Degenerate quadrupoles of squirmers, in the units of the mobility.
@@ -115,6 +117,7 @@ impl LubricatedSolve<'_> {
     /// preconditioner alone.
     fn scaled(&self, given: SolveCase, plan: &Plan, units: &Units) -> ScaledInput {
         let SolveCase { loads, ambient, guess, .. } = given;
+        let guess = guess.listed(&self.particles.ids, self.holder);
         let (radii, viscosity) = (&self.particles.radii[..], plan.viscosity / units.viscosity);
         let [torque, velocity, rate] = [units.torque(), units.velocity(), units.rate()].map(|unit| 1.0 / unit);
         let in_flow = &self.near.ambient_loads().0[..];

@@ -188,19 +188,18 @@ impl CoupledSolver {
                 }
                 let ambient =
                     &flux.as_ref().map_or_else(|| Cow::Borrowed(ambient), |flux| Cow::Owned(flux.ambient(ambient)));
-                let guess = if near.is_on_device() { guess } else { listed(guess, self.holder.as_deref(), particles) };
                 let solve = LubricatedSolve {
                     comm: self.partition.comm(),
                     interrupt: &interrupt,
                     near: &near,
+                    holder: self.holder.as_deref(),
                     bodies: bodies.as_ref(),
                     is_preconditioned: self.preconditioned,
                     quadrupoles,
                     particles: &own,
                     strain_rate,
                 };
-                let keeps_columns = acting.keeps_columns;
-                let case = SolveCase { loads, ambient, guess, keeps_columns };
+                let case = SolveCase { loads, ambient, guess, keeps_columns: acting.keeps_columns };
                 let mut solved = solve.run(Scaled { mobility, units }, case)?;
                 if let Some(flux) = &flux {
                     flux.complete(&mut solved, self.partition.comm());
@@ -210,10 +209,9 @@ impl CoupledSolver {
         }
         let added = self.with_surface_forces(cell, particles, acting);
         let loads = added.as_ref().unwrap_or(loads);
-        let guess = listed(guess, self.holder.as_deref(), particles);
-        let (background, guess) = (strain_rate.at_zero, &guess.stresslets_far);
-        let mut solved =
-            self.solve_far(cell, particles, &RigidInput { loads, ambient, background, guess, quadrupoles })?;
+        let Guess { stresslets_far: guess, .. } = &guess.listed(&particles.ids, self.holder.as_deref());
+        let input = RigidInput { loads, ambient, background: strain_rate.at_zero, guess, quadrupoles };
+        let mut solved = self.solve_far(cell, particles, &input)?;
         if let Some(flux) = &flux {
             flux.complete(&mut solved, self.partition.comm());
         }
@@ -271,14 +269,6 @@ fn sloping(strain_rate: StrainRate, particles: &Particles, ambient: &Motion) -> 
         change(&mut strain_rates, &ambient.strain_rates, |sum, &own| *sum += own);
         Motion { strain_rates, ..ambient.clone() }
     })
-}
-
-/// A guess as lists, of columns of particles that a memory may hold.
-fn listed(guess: Guess, holder: Option<&dyn RemoteHolder>, particles: &Particles) -> Guess {
-    if let Some(holder) = holder.filter(|_| guess.past.is_some()) {
-        particles.fetch(holder);
-    }
-    guess.listed()
 }
 
 /// The memory where a far field is evaluated, if it holds columns of solutions.

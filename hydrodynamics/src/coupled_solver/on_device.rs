@@ -6,7 +6,7 @@ use crate::six_vector::SixVector;
 use crate::solution::{KeptSolution, Solution};
 use crate::units::Scaled;
 use domain::parallel::{all_rows, of_rows};
-use domain::{Particles, RemoteHolder, Units, remote_list};
+use domain::{Particles, RemoteHolder, Units, remote_columns};
 use fcm::{CoupledProblem, CoupledSolution, CoupledTolerances, Limits, Loads, Motion, SolutionColumns, SolveError};
 
 /// Relative error of the preconditioner's inner solves: a device, whose steps are few, takes them four at a time.
@@ -83,7 +83,7 @@ fn with_lists(solution: Solution, ids: &[u64], holder: &dyn RemoteHolder) -> Sol
     let tensors = [far, stresslets, strain_rates];
     let vectors = [induced, induced_rotation, forces, torques];
     let all: Vec<_> = tensors.map(|values| (values, 5)).into_iter().chain(vectors.map(|values| (values, 3))).collect();
-    remote_list::fetch(ids, &all, holder);
+    remote_columns::fetch(ids, &all, holder);
     let [far, stresslets, strain_rates] = tensors.map(|values| bytemuck::cast_slice(values).to_vec());
     let [velocities, angular_velocities, forces, torques] = vectors.map(|values| bytemuck::cast_slice(values).to_vec());
     Solution {

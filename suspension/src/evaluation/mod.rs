@@ -12,6 +12,7 @@ pub mod orders;
 pub mod overlap_monitor;
 pub mod prepared;
 mod queries;
+mod record;
 pub mod stage_time;
 mod stiffness_adaptation;
 pub mod stress;
@@ -22,7 +23,7 @@ mod tethered;
 pub mod velocity_field;
 
 use crate::bodies;
-use crate::columns::{self, ANGULAR_VELOCITY, EXPECTED, STRESSLET, VELOCITY};
+use crate::columns::{self, EXPECTED, VELOCITY};
 use crate::error::{StartError, step::StepError};
 use crate::evaluation::gap_control::watched_range;
 use crate::evaluation::initial_guess::WarmStart;
@@ -38,7 +39,7 @@ use crate::model::box_axes::UserAxes;
 use crate::model::{Integrator, Model, MultipoleOrder};
 use crate::neighbourhood::PairsWithHalo;
 use crate::swimmers::Swimmers;
-use domain::parallel::{FusedLoops, change_rows, copied, of_rows, stage};
+use domain::parallel::{change_rows, copied, stage};
 use domain::{DomainView, Interrupt, Interrupted, Particles, Partition, Vector};
 use fcm::{GUESSED, Motion};
 use following::Following;
@@ -378,38 +379,5 @@ impl Dynamics {
             particles.column(VELOCITY, 3).values = velocities;
             bodies::add_at_centres(particles, |x| flow.velocity(x) * times);
         }
-    }
-
-    /// Writes a solution into the particles' columns. Angular velocities include the background flow; velocities
-    /// include it unless they are relative to it while particles move.
-    fn record(&self, particles: &mut Particles, solved: &Solution) {
-        let _stage = stage("record of the solution");
-        self.note_carried(particles, VELOCITY, &solved.motion.velocities);
-        if self.rigid {
-            let mut turned = self.with_rotation_of_flow(particles, &solved.motion.angular_velocities);
-            self.add_own_rotation(particles, &mut turned);
-            if let Some(kept) = &solved.kept {
-                particles.column(ANGULAR_VELOCITY, 3).values = bytemuck::cast_slice(&turned).to_vec().into();
-                particles.column(STRESSLET, 5).values = kept.columns.stresslets.clone();
-                self.warm_start.record(particles, solved);
-                return;
-            }
-            self.fetch(particles);
-            let [angular_velocities, stresslets] = particles.columns_of([ANGULAR_VELOCITY, STRESSLET], [3, 5]);
-            let mut loops = FusedLoops::default();
-            loops.copied(angular_velocities, bytemuck::cast_slice(&turned));
-            loops.copied(stresslets, bytemuck::cast_slice(&solved.stresslets));
-            loops.run();
-            self.record_bodies(particles, solved);
-            self.warm_start.record(particles, solved);
-        }
-    }
-
-    /// Writes velocities into a column, with the background flow that columns of velocities contain.
-    fn note_carried(&self, particles: &mut Particles, column: &str, velocities: &[Vector]) {
-        let (moving, positions, radii) = (&self.moving, &particles.positions, &particles.radii);
-        let carried = |row: usize| velocities[row] + moving.carried_velocity_of(positions[row], radii[row]);
-        let carried = of_rows(velocities.len(), |row| carried(row).to_array());
-        particles.column(column, 3).values = carried.into_flattened().into();
     }
 }

@@ -44,7 +44,7 @@ impl KeptLists {
             is_known.then(|| {
                 column.each_ref().map(|values| {
                     let is_copied = |copied: &&ColumnValues| copied.shares_memory_with(values);
-                    let copy = copies.iter().find(|(copied, _)| is_copied(&copied)).map(|&(_, list)| list);
+                    let copy = copies.iter().find(|(copied, _)| is_copied(copied)).map(|&(_, list)| list);
                     let known = values.remote_list().and_then(|remote| self.find(remote)).or(copy);
                     known.unwrap_or_else(|| {
                         let list = self.copied(values, places);

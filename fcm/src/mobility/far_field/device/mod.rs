@@ -28,10 +28,10 @@ use crate::plan::Plan;
 use crate::plan::device::number_of_card;
 use coupled::SolutionLists;
 use domain::parallel::{equal, mapped};
-use domain::{Halo, Particles, Partition, PeriodicBox, RemoteHolder, Traceless, Units, Vector, remote_list, sphere};
+use domain::{Halo, Particles, Partition, PeriodicBox, RemoteHolder, Traceless, Units, Vector, remote_columns, sphere};
 use gpu::{
-    ColumnUnits, Cuda, Device, DeviceError, DeviceMotion, LoadFactors, NearInput, NearTables, PairDraw, PlacedParticles,
-    SplitFarField, SurfaceLaws,
+    ColumnUnits, Cuda, Device, DeviceError, DeviceMotion, LoadFactors, NearInput, NearTables, PairDraw,
+    PlacedParticles, SplitFarField, SurfaceLaws,
 };
 use images::{HostImages, PlacedClasses};
 use kept_lists::KeptLists;
@@ -220,7 +220,7 @@ impl FarField for DeviceFarField {
         }
         self.halo = halo;
         if self.particles.ids != particles.ids {
-            self.places = remote_list::places_by_id(&particles.ids);
+            self.places = remote_columns::places_by_id(&particles.ids);
             succeeded(self.split.borrow_mut().set_places(&self.places));
         }
         (self.cell, self.particles) = (*cell, particles.without_columns());
