@@ -30,3 +30,89 @@ pub fn fetch(ids: &[u64], columns: &[(&ColumnValues, usize)], holder: &dyn Remot
         values.receive(Selection(&rows).of(&copy, *width));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Comm, Particles, Vector};
+    use std::cell::RefCell;
+
+    /// A memory with lists of two numbers for each particle, and the number of copies that it has made.
+    #[derive(Default)]
+    struct Memory {
+        lists: Vec<(RemoteList, Vec<f64>)>,
+        copies: RefCell<usize>,
+    }
+
+    impl Memory {
+        /// A column with the ids, in their order, and some other numbers.
+        fn column(&mut self, ids: &[u64], factor: f64) -> ColumnValues {
+            let mut ids = ids.to_vec();
+            ids.sort_unstable();
+            let list = RemoteList::new();
+            self.lists.push((list.clone(), ids.iter().flat_map(|&id| [id as f64, factor * id as f64]).collect()));
+            ColumnValues::remote(list)
+        }
+    }
+
+    impl RemoteHolder for Memory {
+        fn copies(&self, lists: &[&RemoteList]) -> Vec<Vec<f64>> {
+            *self.copies.borrow_mut() += lists.len();
+            let of = |list: &&RemoteList| self.lists.iter().find(|(known, _)| known == *list).unwrap().1.clone();
+            lists.iter().map(of).collect()
+        }
+    }
+
+    fn particles(memory: &mut Memory) -> Particles {
+        let mut particles = Particles::default();
+        for (row, id) in [40, 7, 900, 12].into_iter().enumerate() {
+            particles.push(id, Vector::splat(row as f64), 1.0, 0);
+        }
+        particles.column("far", 2).values = memory.column(&particles.ids, 3.0);
+        particles
+    }
+
+    fn expected(ids: &[u64]) -> Vec<f64> {
+        ids.iter().flat_map(|&id| [id as f64, 3.0 * id as f64]).collect()
+    }
+
+    /// Rows have their own numbers, whether they are fetched before or after they change their places, and a state to
+    /// which particles go back has those of its rows.
+    #[test]
+    fn rows_have_their_numbers_in_any_order() {
+        for is_early in [false, true] {
+            let mut memory = Memory::default();
+            let mut particles = particles(&mut memory);
+            particles.save(&Comm::alone());
+            if is_early {
+                particles.fetch(&memory);
+            }
+            particles.arrange(&[2, 0, 3, 1]);
+            particles.fetch(&memory);
+            assert_eq!(*particles.column("far", 2).values, expected(&[900, 40, 12, 7]));
+            assert!(particles.column("far", 2).values.remote_list().is_some());
+            particles.restore(&Comm::alone());
+            assert_eq!(particles.ids, [40, 7, 900, 12]);
+            particles.fetch(&memory);
+            assert_eq!(*particles.column("far", 2).values, expected(&[40, 7, 900, 12]));
+        }
+    }
+
+    /// Lists that several columns share are copied once, and no list that is here; numbers that change are no longer
+    /// those of the remote list, which its holder may release.
+    #[test]
+    fn lists_are_copied_once() {
+        let mut memory = Memory::default();
+        let mut particles = particles(&mut memory);
+        particles.column("past", 2).values = particles.column("far", 2).values.clone();
+        particles.fetch(&memory);
+        particles.fetch(&memory);
+        assert_eq!(*memory.copies.borrow(), 1);
+        particles.column("far", 2).values[0] = -1.0;
+        assert!(particles.column("far", 2).values.remote_list().is_none());
+        assert_eq!(particles.column("past", 2).values[0], 40.0);
+        assert!(!memory.lists[0].0.is_alone());
+        particles.remove(|name| name == "past");
+        assert!(memory.lists[0].0.is_alone());
+    }
+}

@@ -5,7 +5,7 @@ use super::*;
 use crate::bodies::RigidBodies;
 use crate::springs::{BondSprings, ContactSprings, TetherResistance};
 use domain::{Boundaries, Random};
-use fcm::{Method, Mobility, StressletSolver};
+use fcm::{Method, Mobility, PastSolutions, StressletSolver};
 use gpu::{Counted, Device, DeviceCounts, Emulator, NearSize, NumberFormat};
 
 /// Spheres of two sizes in a box, one pair of them near contact.
@@ -205,6 +205,33 @@ fn agree(suspension: &Suspension, precision: Precision, iteration: f64) {
             assert!(error < 3.0 * iteration.max(of_host), "{precision:?}, kind {kind}: {error:e}, host {of_host:e}");
         }
     }
+}
+
+/// A solve starts from columns that stayed on the device as it does from the same numbers as lists.
+#[test]
+fn columns_on_the_device_are_a_guess_as_lists_are() {
+    let suspension = Suspension::new(Precision::Single, 1e-2);
+    let Suspension { cell, particles, .. } = &suspension;
+    let mut solver = suspension.on(emulator(5));
+    let none = Loads::default();
+    let input = SolveInput { keeps_columns: true, ..acting(&none, Traceless([0.0, 0.5, 0.0, 0.0, 0.0])) };
+    let mut solved = |guess| solver.solve(cell, particles, &input, guess).unwrap();
+    let first = solved(Guess::default());
+    let kept = first.kept.as_ref().unwrap().columns.guessed.clone();
+    assert!(first.stresslets.is_empty() && !kept[0].is_here());
+    let from_columns = solved(Guess { past: Some(PastSolutions::last(kept)), ..Guess::default() });
+    let lists =
+        suspension.on(emulator(6)).solve(cell, particles, &acting(&none, input.strain_rate.at_zero), Guess::default());
+    let Solution { far, induced, motion, iterations, .. } = lists.unwrap();
+    let from_lists = solved(Guess {
+        stresslets_far: far.stresslets,
+        velocities: motion.velocities,
+        angular_velocities: motion.angular_velocities,
+        ..Guess::induced_by(&induced)
+    });
+    assert!(from_columns.iterations < iterations);
+    let [from_columns, from_lists] = [from_columns, from_lists].map(|solution| solver.with_lists(solution, particles));
+    assert_eq!(from_columns, from_lists);
 }
 
 /// Shuffled threads and blocks.
