@@ -73,7 +73,7 @@ pub use mobility::coupled::{CoupledFarField, CoupledProblem, CoupledSolution, Co
 pub use mobility::loads::{Loads, Motion, Output};
 pub use mobility::memory::Footprint;
 pub use mobility::noise::Stream;
-pub use mobility::past_solutions::PastSolutions;
+pub use mobility::past_solutions::{PastNumbers, PastSolutions};
 pub use mobility::rank_one::Constraint;
 pub use mobility::work::{Seconds, Work};
 pub use mobility::{Flow, Mobility, SurfaceFarField};

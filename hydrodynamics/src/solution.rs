@@ -120,12 +120,12 @@ impl Guess {
             let columns = past.columns.iter().enumerate().flat_map(|(k, list)| list.iter().map(move |v| (v, width(k))));
             remote_columns::fetch(ids, &columns.collect::<Vec<_>>(), holder);
         }
-        let (mut guess, past) = (Self::default(), &past);
+        let (mut guess, past) = (Self::default(), &past.numbers());
         let Self {
             stresslets_far, induced_velocities, induced_angular_velocities, velocities, angular_velocities, ..
         } = &mut guess;
         let motions = [induced_velocities, induced_angular_velocities, velocities, angular_velocities];
-        let count = |k: usize, width: usize| past.columns[k][0].len() / width;
+        let count = |k: usize, width: usize| past.count(k) / width;
         let stresslet = |row: usize| Traceless(std::array::from_fn(|axis| past.guess(0, 5 * row + axis)));
         let mut loops = FusedLoops::default();
         loops.of_rows(stresslets_far, count(0, 5), stresslet);

@@ -27,21 +27,42 @@ impl PastSolutions {
         Self { columns, line, parabola: line, blend: [0.0; GUESSED] }
     }
 
-    /// The `i`-th number of the `k`-th column by the line, and by the parabola.
-    pub fn extrapolated(&self, k: usize, i: usize) -> [f64; 2] {
-        let values = &self.columns[k];
-        [&self.line, &self.parabola].map(|w| (0..PAST).fold(0.0, |sum, past| sum + w[past] * values[past][i]))
-    }
-
-    /// The mix of both.
-    pub fn guess(&self, k: usize, i: usize) -> f64 {
-        let [line, parabola] = self.extrapolated(k, i);
-        line + self.blend[k] * (parabola - line)
+    /// Their numbers, which must be here.
+    pub fn numbers(&self) -> PastNumbers<'_> {
+        let Self { columns, line, parabola, blend } = self;
+        let values = columns.each_ref().map(|column| column.each_ref().map(|values| &values[..]));
+        PastNumbers { values, weights: [*line, *parabola], blend: *blend }
     }
 
     /// Whether all columns have values.
     pub fn are_known(&self) -> bool {
         let is_known = |values: &ColumnValues| values.remote_list().is_some() || !values.is_empty();
         self.columns.as_flattened().iter().all(is_known)
+    }
+}
+
+/// Numbers of [`PastSolutions`].
+pub struct PastNumbers<'a> {
+    values: [[&'a [f64]; PAST]; GUESSED],
+    weights: [[f64; PAST]; 2],
+    blend: [f64; GUESSED],
+}
+
+impl PastNumbers<'_> {
+    /// Number of values in the `k`-th column.
+    pub fn count(&self, k: usize) -> usize {
+        self.values[k][0].len()
+    }
+
+    /// The `i`-th value of the `k`-th column by the line, and by the parabola.
+    pub fn extrapolated(&self, k: usize, i: usize) -> [f64; 2] {
+        let values = &self.values[k];
+        self.weights.map(|w| (0..PAST).fold(0.0, |sum, past| sum + w[past] * values[past][i]))
+    }
+
+    /// The mix of both.
+    pub fn guess(&self, k: usize, i: usize) -> f64 {
+        let [line, parabola] = self.extrapolated(k, i);
+        line + self.blend[k] * (parabola - line)
     }
 }

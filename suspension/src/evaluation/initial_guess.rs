@@ -221,6 +221,7 @@ impl WarmStart {
 /// Products of what is beyond the line of a guess in columns that were found and by the parabola, and squares of the
 /// latter, summed up over each column. Collective.
 fn compare(past: &PastSolutions, found: &[&[f64]], comm: &Comm) -> Vec<[f64; 2]> {
+    let past = past.numbers();
     let batches = |k: usize| (0..found[k].len().div_ceil(BATCH)).map(move |batch| [k, batch]);
     let batches: Vec<[usize; 2]> = (0..found.len()).flat_map(batches).collect();
     let of_batch = |&[k, batch]: &[usize; 2]| {
@@ -299,7 +300,7 @@ mod tests {
         }
         let guessed = |particles: &mut Particles, ages: &[f64]| {
             let past = warm_start.guess(particles, ages, 1.0).past.unwrap();
-            Traceless(std::array::from_fn(|axis| past.guess(0, axis)))
+            Traceless(std::array::from_fn(|axis| past.numbers().guess(0, axis)))
         };
         let first = guessed(&mut particles, &[0.0]);
         assert_eq!(first, stresslet(f64::from(steps) - 1.0), "with nothing known but the last value, that");
