@@ -110,7 +110,7 @@ mod tests {
         assert_eq!(*memory.copies.borrow(), 1);
         particles.column("far", 2).values[0] = -1.0;
         assert!(particles.column("far", 2).values.remote_list().is_none());
-        assert_eq!(particles.column("past", 2).values[0], 40.0);
+        assert_eq!(particles.column("past", 2).values[..2], [40.0, 120.0]);
         assert!(!memory.lists[0].0.is_alone());
         particles.remove(|name| name == "past");
         assert!(memory.lists[0].0.is_alone());
