@@ -1,10 +1,15 @@
 //! Columns whose numbers are where they were computed, in the order of the particles' ids.
 
+use crate::parallel::{all_rows, mapped};
 use crate::rows::{RowMove, Selection};
 use crate::{ColumnValues, RemoteHolder, RemoteList};
 
-/// Place of each id in their order, from 0 on.
+/// Place of each id in their order, from 0 on. Ids are unique.
 pub fn places_by_id(ids: &[u64]) -> Vec<u32> {
+    // Those from 0 on without gaps are places.
+    if all_rows(ids.len(), |row| ids[row] < ids.len() as u64) {
+        return mapped(ids, |&id| id as u32);
+    }
     let mut order: Vec<u32> = (0..ids.len() as u32).collect();
     order.sort_unstable_by_key(|&row| ids[row as usize]);
     let mut places = vec![0; ids.len()];
@@ -96,6 +101,14 @@ mod tests {
             particles.fetch(&memory);
             assert_eq!(*particles.column("far", 2).values, expected(&[40, 7, 900, 12]));
         }
+    }
+
+    /// Ids without gaps, which are the usual ones, and others.
+    #[test]
+    fn places_are_the_order_of_ids() {
+        assert_eq!(places_by_id(&[2, 0, 3, 1]), [2, 0, 3, 1]);
+        assert_eq!(places_by_id(&[40, 7, 900, 12]), [2, 0, 3, 1]);
+        assert_eq!(places_by_id(&[]), []);
     }
 
     /// Lists that several columns share are copied once, and no list that is here; numbers that change are no longer

@@ -16,6 +16,7 @@
 #include "pair_steps.h"
 #include "pairs.h"
 #include "spread.h"
+#include "strain.h"
 #include "surface.h"
 #include "vectors.h"
 
@@ -49,9 +50,9 @@
     KERNEL(interpolate_3_##suffix, interpolate<T, 3>)     \
     KERNEL(pair_motions_##suffix, pair_motions<T>)        \
     KERNEL(image_motions_##suffix, image_motions<T>)      \
-    KERNEL(combine_##suffix, combine<T>)                  \
-    KERNEL(weigh_##suffix, weigh<T>)                      \
-    KERNEL(sum_products_##suffix, sum_products<T>)        \
+    KERNEL(strain_turn_##suffix, turn_strain<T>)          \
+    KERNEL(strain_product_##suffix, bend_strain<T>)       \
+    KERNEL(strain_step_##suffix, measure_strain<T>)       \
     KERNEL(row_loads_##suffix, row_loads<T>)              \
     KERNEL(turn_pairs_##suffix, turn_rows<T>)             \
     KERNEL(find_near_##suffix, find_near<T>)              \

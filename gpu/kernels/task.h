@@ -164,7 +164,6 @@ struct Task {
     double cutoff_square, inverse_viscosity;
     // Multiplier of the solve: square of the Gaussian's width, coefficient of k^2 in the bracket.
     double gaussian, widening;
-    double x_factor, y_factor;
     long long list_size;
     // Number of sums of blocks of the kernel before.
     long long block_count;

@@ -276,25 +276,24 @@ impl Device for Emulator {
 mod tests {
     use super::*;
 
-    /// Of `y = a x + b y` the kernel reads both lists and writes one; without the option nothing is counted.
+    /// Of `z = x - y` the kernel reads two lists and writes one; without the option nothing is counted.
     #[test]
     #[ignore = "heavy"]
     fn bytes_that_a_kernel_moves_are_counted() {
-        let count = 1000;
+        let (particles, count) = (200, 6 * 200);
         for (options, lists) in [(&[Emulator::COUNTING][..], 3), (&[], 0)] {
             let mut device = Emulator::beside_program(options, 3).unwrap();
-            let [list_x, list_y] = [(); 2].map(|()| device.allocate(8 * count).unwrap());
-            let numbers: Vec<f64> = (0..count).map(|i| i as f64).collect();
-            for list in [list_x, list_y] {
+            let [residual, preconditioned, image] = [(); 3].map(|()| device.allocate(8 * count).unwrap());
+            for (list, factor) in [(residual, 5.0), (preconditioned, 2.0)] {
+                let numbers: Vec<f64> = (0..count).map(|i| factor * i as f64).collect();
                 device.upload(list, bytemuck::cast_slice(&numbers)).unwrap();
             }
-            let task =
-                KernelTask { list_x, list_y, x_factor: 2.0, y_factor: 1.0, list_size: 1000, ..KernelTask::default() };
-            device.launch(&KernelLaunch { kernel: "combine_f64", blocks: 4, threads: 256 }, &task).unwrap();
-            let mut sum = vec![0.0_f64; count];
-            device.download(list_y, bytemuck::cast_slice_mut(&mut sum)).unwrap();
-            assert!((sum[17] - 51.0).abs() < 1e-12);
-            assert_eq!(device.moved()["combine_f64"], 8 * 1000 * lists);
+            let task = KernelTask { residual, preconditioned, image, particles, ..KernelTask::default() };
+            device.launch(&KernelLaunch { kernel: "remainder_pairs", blocks: 5, threads: 256 }, &task).unwrap();
+            let mut difference = vec![0.0_f64; count];
+            device.download(image, bytemuck::cast_slice_mut(&mut difference)).unwrap();
+            assert!((difference[17] - 51.0).abs() < 1e-12);
+            assert_eq!(device.moved()["remainder_pairs"], 8 * count as u64 * lists);
         }
     }
 

@@ -103,9 +103,8 @@ pub(crate) struct Buffers {
     pub(crate) motions: [Buffer; 3],
     /// Numbers of neighbours, of stiff and of soft pairs.
     counts: Buffer,
-    /// Sums of blocks, of the vectors of an iteration and of the two kernels of one within it, and the sums of all.
+    /// Sums of blocks, of the vectors of an iteration and of the two kernels of one within it.
     pub(crate) sums: [Buffer; 3],
-    pub(crate) totals: Buffer,
     numbers: NumberBuffers,
     pub(crate) near: NearBuffers,
     pub(crate) surface_laws: Buffer,
@@ -203,7 +202,6 @@ impl SplitFarField {
             }
         }
         [task.numbers, task.state] = buffers.numbers.reserve(on)?;
-        task.totals = buffers.totals.reserve(on, size_of::<f64>())?;
         let mut field = Self {
             device,
             tables,

@@ -33,6 +33,7 @@ mod repeated;
 mod replay;
 mod scans;
 mod share;
+mod strain;
 mod surface;
 mod surface_laws;
 mod tables;
@@ -59,6 +60,7 @@ pub use near_tables::{NearKind, NearTables};
 pub use pair_noise::PairDraw;
 pub use pair_rows::{IN_FLOW, OWN_NUMBERS, PAIR_NUMBERS, PairRows, PairSet};
 pub use share::{GridShare, Peers, StencilSums};
+pub use strain::{StrainSums, StrainVectors};
 pub use surface_laws::{SurfaceKind, SurfaceLaws, SurfacePair};
 pub use tables::{
     COLUMN_NUMBERS, ChannelColumns, DevicePairTable, GridSolve, LatticeShape, NumberFormat, SplitTables,

@@ -11,8 +11,9 @@ pub(crate) enum CommandList {
     CountPairs,
     /// Rows of near pairs.
     Assemble,
-    /// An evaluation for stresslets.
-    Evaluation,
+    /// The first measure of a residual for stresslets, and an iteration.
+    MeasureStrain,
+    IterateStrain,
     /// A step of Lanczos' iteration.
     Krylov,
     /// Solve with all near pairs from the start of a solve, and further steps.

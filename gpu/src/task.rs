@@ -94,8 +94,6 @@ pub struct KernelTask {
     pub(crate) inverse_viscosity: f64,
     pub(crate) gaussian: f64,
     pub(crate) widening: f64,
-    pub(crate) x_factor: f64,
-    pub(crate) y_factor: f64,
     pub(crate) list_size: i64,
     pub(crate) block_count: i64,
     pub(crate) particles: i32,

@@ -1,12 +1,11 @@
 //! Vectors of an iteration in the memory of a device.
 
 use crate::device::{DeviceError, KernelLaunch};
-use crate::far_field::{Orders, SplitFarField};
+use crate::far_field::SplitFarField;
 use crate::groups::group_blocks;
 use crate::lists::{DeviceList, MotionLists};
 use crate::numbers::COUPLED_SUMS;
 use crate::pair_rows::{PAIR_SUMS, ROW_LANES};
-use crate::repeated::CommandList;
 use crate::tables::NumberFormat;
 use crate::task::{DeviceAddress, KernelTask};
 
@@ -68,39 +67,6 @@ impl SplitFarField {
         }
     }
 
-    /// `y = x_factor x + y_factor y`, where a `y` that is not used may be undefined.
-    pub fn combine(&mut self, factors: [f64; 2], x: &DeviceList, y: &DeviceList) -> Result<(), DeviceError> {
-        let [x_factor, y_factor] = factors;
-        let (list_x, list_y, list_size) = (x.address, y.address, y.count as i64);
-        let task = KernelTask { list_x, list_y, x_factor, y_factor, list_size, ..self.task };
-        self.launch_vectors(&format!("combine_{}", y.numbers.suffix()), y.count.div_ceil(SUM_THREADS), &task)
-    }
-
-    /// `y = x` times the weight of each particle's class.
-    pub fn weigh(&mut self, weights: &DeviceList, x: &DeviceList, y: &DeviceList) -> Result<(), DeviceError> {
-        let (list_x, list_y, list_weights) = (x.address, y.address, weights.address);
-        let task = KernelTask { list_x, list_y, list_weights, ..self.task };
-        self.launch_vectors(&format!("weigh_{}", self.tables.numbers.suffix()), self.blocks(), &task)
-    }
-
-    /// Sum of the products of the matrices of each particle, over the weights of their classes if there are any.
-    pub fn contract(
-        &mut self,
-        x: &DeviceList,
-        y: &DeviceList,
-        weights: Option<&DeviceList>,
-    ) -> Result<f64, DeviceError> {
-        let blocks = self.blocks();
-        if blocks == 0 {
-            return Ok(0.0);
-        }
-        let list_sums = self.sums(0);
-        let list_weights = weights.map_or(0, |list| list.address);
-        let task = KernelTask { list_x: x.address, list_y: y.address, list_weights, list_sums, ..self.task };
-        self.launch_vectors(&format!("sum_products_{}", self.tables.numbers.suffix()), blocks, &task)?;
-        self.sum_up(list_sums, blocks)
-    }
-
     /// Takes room for the sums of all blocks of kernels that work on this many particles.
     pub(crate) fn reserve_sums(&mut self, particles: usize) -> Result<(), DeviceError> {
         let [blocks, of_rows] = [1, ROW_LANES].map(|lanes| (lanes * particles).div_ceil(SUM_THREADS));
@@ -116,14 +82,6 @@ impl SplitFarField {
         self.buffers.sums[list].address()
     }
 
-    /// Sum of a list of the sums of blocks.
-    fn sum_up(&mut self, list_sums: DeviceAddress, blocks: usize) -> Result<f64, DeviceError> {
-        self.launch_sums(list_sums, blocks, 1, self.task.totals)?;
-        let mut sum = [0.0_f64];
-        self.device.download(self.task.totals, bytemuck::cast_slice_mut(&mut sum))?;
-        Ok(sum[0])
-    }
-
     /// Adds up the sums of blocks in lists one after the other, to sums at an address.
     pub(crate) fn launch_sums(
         &mut self,
@@ -134,22 +92,6 @@ impl SplitFarField {
     ) -> Result<(), DeviceError> {
         let task = KernelTask { list_sums, totals, list_size: blocks as i64, ..self.task };
         self.launch_vectors("sum_up", lists, &task)
-    }
-
-    /// Motions that stresslets cause, without a copy to the host.
-    pub fn apply_stresslets(
-        &mut self,
-        stresslets: &DeviceList,
-        motion: &MotionLists,
-        orders: &Orders,
-    ) -> Result<(), DeviceError> {
-        (self.task.forces, self.task.torques, self.task.stresslets) = (0, 0, stresslets.address);
-        let [velocities, turns, strains] = motion;
-        (self.task.velocities, self.task.angular_velocities) = (velocities.address, turns.address);
-        self.task.strain_rates = strains.address;
-        let addresses = [stresslets.address, velocities.address, turns.address, strains.address];
-        let orders = *orders;
-        self.repeat(CommandList::Evaluation, &addresses, |field| field.evaluate_in_order(&orders))
     }
 
     pub(crate) fn blocks(&self) -> usize {

@@ -35,13 +35,14 @@ const PARABOLA: [f64; 3] = [3.0, -3.0, 1.0];
 const STEPS_BEFORE: usize = 6;
 
 /// Kernels by what they are for: the beginnings of their names.
-const GROUPS: [(&str, &[&str]); 7] = [
+const GROUPS: [(&str, &[&str]); 8] = [
     ("order and lists of spheres", &["bin_", "scan_", "scatter_", "order_", "find_neighbours"]),
     ("assembly of near pairs", &["find_near_", "assemble_", "moments_"]),
     ("groups of the preconditioner", &["begin_", "choose_", "join_", "count_", "place_", "invert_"]),
     ("far field", &["gather_loads", "spread_", "transform", "solve_", "interpolate_", "pair_motions"]),
     ("near pairs, and preconditioner", &["row_loads", "step_pairs", "turn_pairs", "remainder_"]),
-    ("vectors and sums", &["combine_", "sum_", "step_all", "measure_", "start_", "gather_all", "coupled_"]),
+    ("vectors and sums", &["sum_", "step_all", "measure_", "start_", "gather_all", "coupled_"]),
+    ("columns of solutions", &["guess_", "store_", "compare_"]),
     ("random motions and loads", &["random_", "krylov_"]),
 ];
 

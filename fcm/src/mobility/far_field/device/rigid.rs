@@ -2,9 +2,11 @@
 
 use super::succeeded;
 use super::vectors::{ResidentVector, SharedField};
-use crate::conjugate_gradients::{Iterate, IterationOutcome, Limits, System, conjugate_gradients};
+use crate::conjugate_gradients::{
+    InnerProducts, Iterate, IterationOutcome, Limits, SteppedSystem, Turn, conjugate_gradients,
+};
 use domain::Comm;
-use gpu::{DeviceLoads, DeviceMotion, MotionLists, Orders};
+use gpu::{DeviceLoads, DeviceMotion, MotionLists, Orders, StrainSums, StrainVectors};
 
 /// Problem of rigid spheres in the units of the device.
 pub(super) struct ResidentProblem<'a> {
@@ -37,7 +39,7 @@ struct ResidentStrain<'a> {
     field: SharedField,
     resistances: ResidentVector,
     orders: &'a Orders,
-    motion: [ResidentVector; 3],
+    motion: ResidentVector,
     /// Motion that the last direction causes as a stresslet.
     step: MotionLists,
 }
@@ -45,29 +47,46 @@ struct ResidentStrain<'a> {
 /// Solves a problem from its start.
 pub(super) fn solve(field: &SharedField, problem: &ResidentProblem) -> ResidentSolution {
     let start = succeeded(field.borrow_mut().apply(&problem.loads, &problem.orders[0]));
-    let residual: Vec<f64> = start.strain_rates.iter().zip(problem.strain_rates).map(|(e, b)| -(e + b)).collect();
+    let DeviceMotion { velocities, angular_velocities, strain_rates } = start;
+    let residual: Vec<f64> = strain_rates.iter().zip(problem.strain_rates).map(|(e, b)| -(e + b)).collect();
     let resisted: Vec<f64> = problem.loads.stresslets.iter().map(|s| -s).collect();
+    let numbers = velocities.len();
     let [mut residual, mut x] = [&residual, &resisted].map(|values| ResidentVector::of(field, values));
-    let mut z = ResidentVector::new(field, 0);
-    let parts = [&start.velocities, &start.angular_velocities, &start.strain_rates];
+    let mut z = ResidentVector::new(field, residual.count());
     let mut system = ResidentStrain {
         field: field.clone(),
         resistances: ResidentVector::of(field, problem.resistances),
         orders: &problem.orders[1],
-        motion: parts.map(|values| ResidentVector::of(field, values)),
+        motion: ResidentVector::of(field, &[velocities, angular_velocities, strain_rates].concat()),
         step: succeeded(field.borrow_mut().motion_lists()),
     };
     let iterate = Iterate { x: &mut x, residual: &mut residual, z: &mut z };
     let outcome = conjugate_gradients(problem.comm, &mut system, iterate, problem.limits);
-    let [velocities, angular_velocities, strain_rates] = system.motion.each_ref().map(ResidentVector::values);
+    let motion = system.motion.values();
+    let (velocities, gradients) = motion.split_at(numbers);
+    let (angular_velocities, strain_rates) = gradients.split_at(numbers);
+    let [velocities, angular_velocities, strain_rates] =
+        [velocities, angular_velocities, strain_rates].map(<[f64]>::to_vec);
     let stresslets = x.values().into_iter().map(|d| -d).collect();
     ResidentSolution { motion: DeviceMotion { velocities, angular_velocities, strain_rates }, stresslets, outcome }
 }
 
 impl ResidentStrain<'_> {
-    fn contract(&self, x: &ResidentVector, y: &ResidentVector, over: Option<&ResidentVector>) -> f64 {
-        succeeded(self.field.borrow_mut().contract(&x.list, &y.list, over.map(|weights| &weights.list)))
+    fn vectors(&self, Iterate { x, residual, z }: Iterate<ResidentVector, ResidentVector>) -> StrainVectors {
+        StrainVectors {
+            unknowns: x.list,
+            residual: residual.list,
+            preconditioned: z.list,
+            resistances: self.resistances.list,
+            motion: self.motion.list,
+            step: self.step,
+        }
     }
+}
+
+/// The error is measured by `r z`.
+fn products([former, product, size]: StrainSums) -> InnerProducts {
+    InnerProducts { product, former, error: product, size }
 }
 
 impl Drop for ResidentStrain<'_> {
@@ -78,36 +97,29 @@ impl Drop for ResidentStrain<'_> {
     }
 }
 
-impl System for ResidentStrain<'_> {
+impl SteppedSystem for ResidentStrain<'_> {
     type Unknowns = ResidentVector;
     type Residual = ResidentVector;
 
-    fn product(&self, residual: &ResidentVector, x: &ResidentVector) -> f64 {
-        self.contract(residual, x, None)
+    fn refine_preconditioner(&mut self) -> bool {
+        false
     }
 
-    fn apply(&mut self, direction: &ResidentVector) -> ResidentVector {
-        let mut field = self.field.borrow_mut();
-        succeeded(field.apply_stresslets(&direction.list, &self.step, self.orders));
-        drop(field);
-        let image = ResidentVector::new(&self.field, direction.count());
-        succeeded(self.field.borrow_mut().combine([-1.0, 0.0], &self.step[2], &image.list));
-        image
+    fn measure(&mut self, at: Iterate<ResidentVector, ResidentVector>) -> InnerProducts {
+        products(succeeded(self.field.borrow_mut().measure_strain(&self.vectors(at))))
     }
 
-    fn on_step(&mut self, length: f64) {
-        for (part, step) in self.motion.iter().zip(&self.step) {
-            succeeded(self.field.borrow_mut().combine([-length, 1.0], step, &part.list));
-        }
-    }
-
-    fn precondition(&mut self, residual: &ResidentVector) -> ResidentVector {
-        let z = ResidentVector::new(&self.field, residual.count());
-        succeeded(self.field.borrow_mut().weigh(&self.resistances.list, &residual.list, &z.list));
-        z
-    }
-
-    fn size(&self, x: &ResidentVector) -> f64 {
-        self.contract(x, x, Some(&self.resistances))
+    fn advance(
+        &mut self,
+        _: &Comm,
+        at: Iterate<ResidentVector, ResidentVector>,
+        direction: &mut Option<ResidentVector>,
+        Turn { factor, product }: Turn,
+    ) -> InnerProducts {
+        let numbers = at.x.count();
+        let turn = if direction.is_some() { factor } else { 0.0 };
+        let direction = direction.get_or_insert_with(|| ResidentVector::new(&self.field, numbers)).list;
+        let (at, mut field) = (self.vectors(at), self.field.borrow_mut());
+        products(succeeded(field.iterate_strain(&at, &direction, [turn, product], self.orders)))
     }
 }

@@ -12,7 +12,7 @@ use crate::plan::problem::{Multipoles, Precision};
 use crate::rigid::stresslet_solver::{RigidInput, StressletSolver};
 use case::{Case, PERIODIC, Shape, alone};
 use domain::{Boundaries, Comm};
-use gpu::Emulator;
+use gpu::{Counted, Emulator};
 
 /// The emulator, compiled once beside the tests.
 fn emulator(options: &[&str], seed: u64) -> Box<dyn Device> {
@@ -239,6 +239,31 @@ fn stresslets_are_those_of_the_host() {
             assert!(relative(found, &exact) < allowed, "{:e}", relative(found, &exact));
         }
     }
+}
+
+/// Vectors of the iteration stay on the device: the host waits for a few sums in each step, and for nothing else.
+#[test]
+fn an_iteration_for_stresslets_waits_once() {
+    let case = Case::random(82, Shape::Sheared, 1.6);
+    let solved = |iteration_tolerance| {
+        let plan = Plan { iteration_tolerance, ..case.plan(Precision::Double) };
+        let (device, counts) = Counted::new(emulator(&[], 1));
+        let far: Box<dyn FarField> = Box::new(case.on_device(&plan, Box::new(device)));
+        let partition = alone(&plan);
+        let mobility = Mobility { plan, partition, far, wall_drift: None, constraint: None };
+        let input = RigidInput {
+            loads: &Loads { forces: case.loads.forces.clone(), ..Loads::default() },
+            ambient: &Motion::default(),
+            background: Traceless([0.2, -0.1, 0.0, 0.3, 0.05]),
+            guess: &[],
+            quadrupoles: None,
+        };
+        let mut solver = StressletSolver::of(mobility, &Comm::alone());
+        let found = solver.solve_in(&case.cell, &case.particles, &input).unwrap();
+        (found.iterations as u64, counts.borrow().waits)
+    };
+    let [(few, before), (many, after)] = [1e-2, 1e-6].map(solved);
+    assert!(many > few + 3 && after - before == many - few, "{} waits in {} steps", after - before, many - few);
 }
 
 /// The forecast of `check`, apart from the transforms, beside the memory that an emulator serves.

@@ -1,7 +1,6 @@
 //! Vectors in the memory of a device.
 
 use super::succeeded;
-use crate::conjugate_gradients::Linear;
 use gpu::{DeviceList, SplitFarField};
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -9,7 +8,7 @@ use std::rc::Rc;
 /// A far field that vectors share, in whose memory they are.
 pub(super) type SharedField = Rc<RefCell<SplitFarField>>;
 
-/// A vector in the memory of a device, which is released with it. A clone has memory of its own.
+/// A vector in the memory of a device, which is released with it.
 pub(super) struct ResidentVector {
     field: SharedField,
     /// Place of its values.
@@ -62,29 +61,5 @@ impl ResidentVector {
     /// The values.
     pub fn values(&self) -> Vec<f64> {
         succeeded(self.field.borrow_mut().values_of(&self.list))
-    }
-
-    /// `self = x_factor x + y_factor self`.
-    pub fn combine(&mut self, factors: [f64; 2], x: &Self) {
-        succeeded(self.field.borrow_mut().combine(factors, &x.list, &self.list));
-    }
-}
-
-impl Clone for ResidentVector {
-    fn clone(&self) -> Self {
-        let list = succeeded(self.field.borrow_mut().list_like(&self.list));
-        let mut copy = Self::at(&self.field, list);
-        copy.combine([1.0, 0.0], self);
-        copy
-    }
-}
-
-impl Linear for ResidentVector {
-    fn add(&mut self, factor: f64, other: &Self) {
-        self.combine([factor, 1.0], other);
-    }
-
-    fn scale_add(&mut self, factor: f64, other: &Self) {
-        self.combine([1.0, factor], other);
     }
 }
