@@ -1,4 +1,5 @@
-//! Ranks that are threads of one process, so that ordinary tests exercise every exchange.
+//! Ranks that are threads of one process, so that ordinary tests exercise every exchange. Like processes with a thread
+//! each, they share no threads for parallel loops.
 
 use super::window::Segment;
 use bytemuck::Pod;
@@ -39,6 +40,8 @@ pub(super) fn run<R: Send>(ranks: usize, body: impl Fn(ThreadRank) -> R + Sync) 
             let group = group.clone();
             scope.spawn(move || {
                 let _guard = BreakOnPanic(group.clone());
+                let of_rank = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build();
+                of_rank.expect("a new thread is in no pool");
                 body(ThreadRank { number: rank, group, machine: rank / 2 })
             })
         };
