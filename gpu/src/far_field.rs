@@ -115,6 +115,8 @@ pub(crate) struct Buffers {
     pub(crate) history: Buffer,
     pub(crate) places: Buffer,
     pub(crate) compared: Buffer,
+    /// Arguments of a displacement.
+    pub(crate) displacement: Buffer,
 }
 
 impl Buffers {
@@ -303,15 +305,21 @@ impl SplitFarField {
 
     /// Copies particles to the device, and reserves the lists of particles.
     fn place(&mut self, fractions: &[f64], classes: &[u32]) -> Result<(), DeviceError> {
+        let Self { device, task, buffers, .. } = self;
+        let [positions, of_classes, ..] = &mut buffers.particles;
+        task.positions = positions.fill(device.as_mut(), &fixed_points(fractions))?;
+        task.classes = of_classes.fill(device.as_mut(), bytemuck::cast_slice(classes))?;
+        self.reserve_particles()
+    }
+
+    /// Reserves the lists of particles, and clears those that count.
+    pub(crate) fn reserve_particles(&mut self) -> Result<(), DeviceError> {
         let Self { device, tables, task, buffers, .. } = self;
-        let (numbers, count, on) = (tables.numbers, classes.len(), device.as_mut());
+        let (numbers, count, on) = (tables.numbers, task.particles as usize, device.as_mut());
         // Recordings of the order do not depend on what was evaluated before.
         [task.forces, task.torques, task.stresslets] = [0; 3];
         [task.velocities, task.angular_velocities, task.strain_rates] = [0; 3];
-        let [positions, of_classes, keys, unsorted, rows, sorted, sorted_classes, interpolated] =
-            &mut buffers.particles;
-        task.positions = positions.fill(on, &fixed_points(fractions))?;
-        task.classes = of_classes.fill(on, bytemuck::cast_slice(classes))?;
+        let [_, _, keys, unsorted, rows, sorted, sorted_classes, interpolated] = &mut buffers.particles;
         task.keys = keys.reserve(on, 4 * count)?;
         task.unsorted = unsorted.reserve(on, 4 * count)?;
         task.rows = rows.reserve(on, 4 * count)?;
@@ -340,7 +348,7 @@ impl SplitFarField {
     }
 
     /// Sorts the particles, counts the neighbours of each, then lists them.
-    fn list_neighbours(&mut self) -> Result<(), DeviceError> {
+    pub(crate) fn list_neighbours(&mut self) -> Result<(), DeviceError> {
         let count = self.task.particles as usize;
         self.task.neighbours = 0;
         self.repeat(CommandList::Order, &[], |field| {

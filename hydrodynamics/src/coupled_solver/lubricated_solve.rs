@@ -41,6 +41,8 @@ pub(super) struct SolveCase<'a> {
     pub(super) guess: Guess,
     /// Whether the columns of the solution may stay where the far field is evaluated.
     pub(super) keeps_columns: bool,
+    /// See [`crate::SolveInput::moving_in`].
+    pub(super) moving_in: Option<&'a BackgroundFlow>,
 }
 
 /// Single-sphere resistances, known loads, ambient motions and a guess, in scaled units.

@@ -173,12 +173,13 @@ impl CoupledSolver {
         let flux = constant_flux.then(|| self.flux(cell, particles, strain_rate));
         self.far.mobility().constrain(flux.as_ref().map(ConstantFlux::constraint));
         if self.near.is_some() || bodies.is_some() {
-            let (units, own) = (self.units, units::particles(particles, &self.units));
+            let units = self.units;
+            let own = if acting.moving_in.is_some() { Cow::Borrowed(particles) } else { Cow::Owned(units::particles(particles, &units)) };
             let strain_rate = strain_rate.in_units(units.rate(), units.length);
             let bodies = bodies.map(|bodies| bodies.in_units(&units));
             let acting = SolveInput { strain_rate, bodies: bodies.as_ref(), ..*acting };
             let near = self.pairs_of_solve(cell, [particles, &own], &acting);
-            if bodies.is_some() || self.partition.comm().any(!near.is_empty()) {
+            if bodies.is_some() || acting.moving_in.is_some() || self.partition.comm().any(!near.is_empty()) {
                 let interrupt = self.far.interrupt().clone();
                 let added = if near.is_on_device() { None } else { self.with_surface_forces(cell, particles, &acting) };
                 let loads = added.as_ref().unwrap_or(loads);
@@ -199,7 +200,8 @@ impl CoupledSolver {
                     particles: &own,
                     strain_rate,
                 };
-                let case = SolveCase { loads, ambient, guess, keeps_columns: acting.keeps_columns };
+                let SolveInput { keeps_columns, moving_in, .. } = acting;
+                let case = SolveCase { loads, ambient, guess, keeps_columns, moving_in };
                 let mut solved = solve.run(Scaled { mobility, units }, case)?;
                 if let Some(flux) = &flux {
                     flux.complete(&mut solved, self.partition.comm());

@@ -8,7 +8,7 @@ use crate::flow::kraynik_reinelt::{Matrix, Named, StretchingLattice};
 use crate::flow::stress_control::{Search, StressControl, StressTarget};
 use crate::model::{Extension, ShearRates};
 use domain::parallel::{change_rows, copied, equal};
-use domain::{Boundaries, Particles, PeriodicBox, Scalars, Tensor, Traceless, Vector};
+use domain::{Boundaries, Particles, PeriodicBox, RemoteFrame, RemoteHolder, Scalars, Tensor, Traceless, Vector};
 use hydrodynamics::Poiseuille;
 use hydrodynamics::StrainRate;
 use simulation::Clock;
@@ -333,6 +333,28 @@ impl PeriodicCell {
         } else {
             self.wrap_in_flow(particles);
         }
+    }
+
+    /// [`Self::advance_to`] for particles in a remote memory, in a flow that does not advect them. Returns `false`, with
+    /// no effect, if the lattice vectors of the box change, or if a particle is farther from it than some edges.
+    pub fn advance_remotely(
+        &mut self,
+        time: f64,
+        particles: &mut Particles,
+        farthest: f64,
+        holder: &dyn RemoteHolder,
+    ) -> bool {
+        let (cell, vectors) = self.shape_at(time);
+        if vectors != self.vectors {
+            return false;
+        }
+        let (is_flowing, gradient) = (self.flow != BackgroundFlow::NONE, self.flow.gradient());
+        let frame = RemoteFrame { cell: &cell, gradient, farthest };
+        let is_moved = particles.advance_remotely(frame, |name| is_flowing && are_velocities(name), holder);
+        if is_moved {
+            (self.time, self.cell) = (time, cell);
+        }
+        is_moved
     }
 
     /// Matrix that converts lattice steps to other vectors of the box.

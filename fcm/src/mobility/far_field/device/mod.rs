@@ -30,7 +30,7 @@ use coupled::SolutionLists;
 use domain::parallel::{equal, mapped};
 use domain::{Halo, Particles, Partition, PeriodicBox, RemoteHolder, Traceless, Units, Vector, remote_columns, sphere};
 use gpu::{
-    ColumnUnits, Cuda, Device, DeviceError, DeviceMotion, LoadFactors, NearInput, NearTables, PairDraw,
+    ColumnUnits, Cuda, Device, DeviceError, DeviceList, DeviceMotion, LoadFactors, NearInput, NearTables, PairDraw,
     PlacedParticles, SplitFarField, SurfaceLaws,
 };
 use images::{HostImages, PlacedClasses};
@@ -154,6 +154,22 @@ impl DeviceFarField {
         self.plan.viscosity / self.units.viscosity
     }
 
+    /// Positions of the particles that were arranged last, where they have moved on the device.
+    fn moved_list(&self, particles: &Particles) -> Option<DeviceList> {
+        let Particles { ids, radii, .. } = &self.particles;
+        let remote = particles.positions.remote_list().filter(|_| !particles.positions.is_here())?;
+        assert!(equal(ids, &particles.ids) && equal(radii, &particles.radii), "particles move where they were arranged");
+        Some(self.kept.held(remote))
+    }
+
+    fn note_search(&mut self) {
+        if let Some((_, is_arranged)) = &mut self.host {
+            *is_arranged = false;
+        }
+        self.work.searches += 1;
+        self.note_seconds();
+    }
+
     /// Largest load of a problem as a force, with those by which spheres resist the rates of strain.
     fn largest_of(&self, problem: &RigidProblem) -> f64 {
         let fastest = problem.strain_rates.iter().flat_map(|e| e.0).map(f64::abs).fold(0.0, f64::max);
@@ -201,6 +217,12 @@ impl FarField for DeviceFarField {
             succeeded(self.split.borrow_mut().set_box(&self.tables.in_box(&frame.lattice)));
             self.arranged = Some(frame.lattice);
         }
+        if let Some(list) = self.moved_list(particles) {
+            succeeded(self.split.borrow_mut().arrange_moved(&list, self.units.length));
+            (self.cell, self.particles) = (*cell, particles.without_columns());
+            self.note_search();
+            return;
+        }
         let mut positions = mapped(&particles.positions, |&x| x * inverse);
         let mut classes = mapped(&particles.radii, |&a| self.plan.class_of(a));
         let halo = Rc::new(present::halo(&self.plan, &self.units, &self.partition, &own, &positions));
@@ -224,17 +246,18 @@ impl FarField for DeviceFarField {
             succeeded(self.split.borrow_mut().set_places(&self.places));
         }
         (self.cell, self.particles) = (*cell, particles.without_columns());
-        if let Some((_, is_arranged)) = &mut self.host {
-            *is_arranged = false;
-        }
-        self.work.searches += 1;
-        self.note_seconds();
+        self.note_search();
     }
 
     fn is_arranged(&self, cell: &PeriodicBox, particles: &Particles) -> bool {
         let Particles { positions, radii, .. } = &self.particles;
-        let is_like = self.arranged.is_some() && self.cell == *cell && positions.len() == particles.len();
-        is_like && equal(positions, &particles.positions) && equal(radii, &particles.radii)
+        if self.arranged.is_none() || self.cell != *cell || radii.len() != particles.len() {
+            return false;
+        }
+        let are_here = positions.is_here() && particles.positions.is_here();
+        let is_same = positions.shares_memory_with(&particles.positions)
+            || are_here && equal(positions, &particles.positions);
+        is_same && equal(radii, &particles.radii)
     }
 
     fn apply(&mut self, loads: &Loads, output: Output) -> Motion {
@@ -344,7 +367,8 @@ impl CoupledFarField for DeviceFarField {
             rate: own.rate() / given.rate(),
         };
         self.kept.release_unused();
-        let lists = SolutionLists { kept: &self.kept, places: &self.places, units };
+        let positions = self.particles.positions.remote_list();
+        let lists = SolutionLists { kept: &self.kept, places: &self.places, positions, units };
         let orders = self.tables.orders([true; 2], [true; 2]);
         let solution = coupled::solve(&self.split, problem, &lists, &factors, &orders);
         self.note_evaluations(1 + solution.outcome.iterations as u64, [true; 2]);
