@@ -114,6 +114,12 @@ impl<T: Copy + Send + Sync> Values<T> {
         }
     }
 
+    /// The values here, which are no longer those of a remote list.
+    #[must_use]
+    pub fn detached(self) -> Self {
+        if self.remote_list().is_some() { self.into_vec().into() } else { self }
+    }
+
     /// The list.
     pub fn into_vec(self) -> Vec<T> {
         match Arc::try_unwrap(self.0) {
@@ -165,6 +171,15 @@ impl<'a, T> IntoIterator for &'a Values<T> {
 
     fn into_iter(self) -> Self::IntoIter {
         self.iter()
+    }
+}
+
+impl<'a, T: Copy + Send + Sync> IntoIterator for &'a mut Values<T> {
+    type Item = &'a mut T;
+    type IntoIter = std::slice::IterMut<'a, T>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.iter_mut()
     }
 }
 

@@ -26,7 +26,7 @@ pub struct Particles {
     /// Species, as indices into the scene's list.
     pub species: Vec<u32>,
     /// Displacements that have yet to be added to positions in a remote list, as columns of vectors and their weights.
-    pub(crate) displacements: Vec<(ColumnValues, f64)>,
+    pub displacements: Vec<(ColumnValues, f64)>,
     /// All other properties.
     pub columns: Vec<Column>,
     /// Numbers of the run as a whole, equal on all ranks.
@@ -116,7 +116,8 @@ impl Particles {
         }
         let find = |name: &str| self.columns.iter().find(|column| column.name == name).expect("made above");
         if let Some(list) = self.positions.remote_list() {
-            let terms: Vec<_> = columns.into_iter().zip(weights).map(|(name, w)| (find(name).values.clone(), w)).collect();
+            let terms: Vec<_> =
+                columns.into_iter().zip(weights).map(|(name, w)| (find(name).values.clone(), w)).collect();
             self.positions = Values::remote(list.clone());
             self.displacements.extend(terms);
             return;
@@ -153,7 +154,7 @@ impl Particles {
     /// Updates the lattice steps after a change of the basis of the same lattice: the new `steps` are an integer
     /// matrix, row by row, times the former ones. Steps beyond the range of their type are counted modulo `2^32`.
     pub fn relabel(&mut self, matrix: &[[i32; 3]; 3]) {
-        for steps in &mut *self.steps {
+        for steps in &mut self.steps {
             let before = *steps;
             *steps = matrix.map(|row| (0..3).fold(0, |sum: i32, k| sum.wrapping_add(row[k].wrapping_mul(before[k]))));
         }

@@ -11,10 +11,6 @@ use std::mem::offset_of;
 /// Columns of displacements and of velocities at most.
 pub const MOST_COLUMNS: usize = 8;
 
-/// Numbers of a particle's position, steps and columns while it moves, before and after: the position, the steps, and
-/// columns of velocities.
-pub(crate) const MOVING: usize = 2 * 3 * (2 + 4);
-
 /// A displacement of particles in a box: lists in the order of ids, and in the units of the host.
 #[derive(Debug, Clone)]
 pub struct DisplacementInput {
@@ -32,6 +28,17 @@ pub struct DisplacementInput {
     pub gradient: [f64; 9],
     /// Distance from the box, in edges, from which on a particle is lost.
     pub farthest: f64,
+}
+
+/// Particles that move on the device.
+#[derive(Debug, Clone, Copy)]
+pub struct MovedParticles<'a> {
+    /// Positions in the order of ids, in the units of the host.
+    pub positions: DeviceList,
+    /// Classes of radius, unless they are those of the particles that were arranged last.
+    pub classes: Option<&'a [u32]>,
+    /// Unit of length of the host over that of the far field.
+    pub length: f64,
 }
 
 /// Arguments with the fields of `gpu/kernels/displace.h` in the same order.
@@ -96,9 +103,13 @@ impl SplitFarField {
         Ok(is_lost == 0)
     }
 
-    /// [`Self::arrange`] of the particles that were arranged last, at positions in a list in the order of ids, with the
-    /// unit of length of these over that of the far field.
-    pub fn arrange_moved(&mut self, positions: &DeviceList, length: f64) -> Result<(), DeviceError> {
+    /// [`Self::arrange`] of particles that move on the device, all of which are there.
+    pub fn arrange_moved(&mut self, particles: &MovedParticles) -> Result<(), DeviceError> {
+        let &MovedParticles { positions, classes, length } = particles;
+        if let Some(classes) = classes {
+            self.count_particles(classes.len(), classes.len());
+            self.copy_classes(classes)?;
+        }
         self.set_numbers(&KernelNumbers { length, ..self.numbers })?;
         self.reserve_particles()?;
         let task = KernelTask { list_x: positions.address, ..self.task };

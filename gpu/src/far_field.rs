@@ -286,11 +286,7 @@ impl SplitFarField {
     pub fn arrange(&mut self, particles: &PlacedParticles) -> Result<(), DeviceError> {
         let &PlacedParticles { fractions, classes, owned } = particles;
         let clock = Instant::now();
-        if self.task.particles as usize != classes.len() {
-            self.release_spare();
-        }
-        self.task.particles = classes.len() as i32;
-        self.task.owned = owned as i32;
+        self.count_particles(classes.len(), owned);
         self.place(fractions, classes)?;
         self.seconds.copies += clock.elapsed().as_secs_f64();
         let clock = Instant::now();
@@ -303,12 +299,26 @@ impl SplitFarField {
         Ok(())
     }
 
+    /// Sets the number of particles, and of those whose motions are wanted.
+    pub(crate) fn count_particles(&mut self, count: usize, owned: usize) {
+        if self.task.particles as usize != count {
+            self.release_spare();
+        }
+        (self.task.particles, self.task.owned) = (count as i32, owned as i32);
+    }
+
+    /// Copies classes of radius to the device.
+    pub(crate) fn copy_classes(&mut self, classes: &[u32]) -> Result<(), DeviceError> {
+        let Self { device, task, buffers, .. } = self;
+        task.classes = buffers.particles[1].fill(device.as_mut(), bytemuck::cast_slice(classes))?;
+        Ok(())
+    }
+
     /// Copies particles to the device, and reserves the lists of particles.
     fn place(&mut self, fractions: &[f64], classes: &[u32]) -> Result<(), DeviceError> {
         let Self { device, task, buffers, .. } = self;
-        let [positions, of_classes, ..] = &mut buffers.particles;
-        task.positions = positions.fill(device.as_mut(), &fixed_points(fractions))?;
-        task.classes = of_classes.fill(device.as_mut(), bytemuck::cast_slice(classes))?;
+        task.positions = buffers.particles[0].fill(device.as_mut(), &fixed_points(fractions))?;
+        self.copy_classes(classes)?;
         self.reserve_particles()
     }
 
@@ -319,7 +329,8 @@ impl SplitFarField {
         // Recordings of the order do not depend on what was evaluated before.
         [task.forces, task.torques, task.stresslets] = [0; 3];
         [task.velocities, task.angular_velocities, task.strain_rates] = [0; 3];
-        let [_, _, keys, unsorted, rows, sorted, sorted_classes, interpolated] = &mut buffers.particles;
+        let [positions, _, keys, unsorted, rows, sorted, sorted_classes, interpolated] = &mut buffers.particles;
+        task.positions = positions.reserve(on, 3 * count * size_of::<u64>())?;
         task.keys = keys.reserve(on, 4 * count)?;
         task.unsorted = unsorted.reserve(on, 4 * count)?;
         task.rows = rows.reserve(on, 4 * count)?;

@@ -48,11 +48,12 @@ pub use coupled::{
 };
 pub use cuda::Cuda;
 pub use device::{Device, DeviceError, DeviceInfo, KernelLaunch, TransformPart, TransformTask};
-pub use displace::{DisplacementInput, MOST_COLUMNS};
+pub use displace::{DisplacementInput, MOST_COLUMNS, MovedParticles};
 pub use emulator::Emulator;
 pub use far_field::{DeviceLoads, DeviceMotion, Orders, PlacedParticles, SplitFarField, StageSeconds};
 pub use history::{
-    COLUMN_WIDTHS, COLUMNS, ColumnUnits, FoundLists, GUESSED, GuessedVectors, MovingLists, PAST, PastLists, StoredResult,
+    COLUMN_WIDTHS, COLUMNS, ColumnUnits, FoundLists, GUESSED, GuessedVectors, MovingLists, PAST, PastLists,
+    StoredResult,
 };
 pub use images::ImageLists;
 pub use krylov::{KrylovOperator, ParticleDraw};

@@ -6,8 +6,8 @@ use crate::springs::Springs;
 use crate::squirming::Squirming;
 use domain::parallel::FusedLoops;
 use domain::{RemoteHolder, Traceless, Vector, remote_columns};
-use solver::BackgroundFlow;
 use fcm::{GUESSED, Loads, Motion, PastSolutions, SolutionColumns};
+use solver::BackgroundFlow;
 
 /// Input of a solve: loads, ambient flow, implicit springs.
 pub struct SolveInput<'a> {

@@ -248,7 +248,8 @@ impl Suspension {
     /// State of the suspension, with the particles of this rank.
     pub fn state(&mut self) -> State {
         let plan = self.plan();
-        let (step, strain, mut particles) = (self.clock.step(), self.cell().strain(), self.particles().clone());
+        let (step, strain, mut particles) =
+            (self.clock.step(), self.cell().strain(), self.particles().clone().detached());
         scalars::save(&mut particles);
         State { step, strain, plan, particles, statistics: Vec::new() }
     }

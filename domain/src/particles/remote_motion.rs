@@ -1,7 +1,7 @@
 //! Positions in a remote memory, where particles move.
 
 use super::Particles;
-use crate::column::{ColumnValues, Values};
+use crate::column::{Column, ColumnValues, Values};
 use crate::parallel::{mapped, of_rows};
 use crate::{PeriodicBox, RemoteDisplacement, RemoteHolder, RemoteList, Tensor, Vector, remote_columns};
 
@@ -39,9 +39,18 @@ impl Particles {
     /// Copies the positions of particles that moved in another memory, and moves them here from now on.
     pub fn move_from(&mut self, holder: &dyn RemoteHolder) {
         self.fetch(holder);
-        self.positions = std::mem::take(&mut self.positions).into_vec().into();
-        self.steps = std::mem::take(&mut self.steps).into_vec().into();
+        self.positions = std::mem::take(&mut self.positions).detached();
+        self.steps = std::mem::take(&mut self.steps).detached();
         self.displacements.clear();
+    }
+
+    /// The same particles, whose values have been fetched, without a remote memory.
+    #[must_use]
+    pub fn detached(self) -> Self {
+        let detached = |column: Column| Column { values: column.values.detached(), ..column };
+        let columns = self.columns.into_iter().map(detached).collect();
+        let (positions, steps) = (self.positions.detached(), self.steps.detached());
+        Self { positions, steps, displacements: Vec::new(), columns, saved: None, ..self }
     }
 
     /// Moves particles in a memory by their displacements, and wraps them into the box of a frame. Columns of
@@ -82,7 +91,8 @@ impl Particles {
     /// and displacements are here.
     pub(super) fn fetch_positions(&self, holder: &dyn RemoteHolder) {
         let saved = self.saved.as_ref().map(|saved| saved.places());
-        let are_here = |(positions, steps): &(&Values<Vector>, &Values<[i32; 3]>)| positions.is_here() && steps.is_here();
+        let are_here =
+            |(positions, steps): &(&Values<Vector>, &Values<[i32; 3]>)| positions.is_here() && steps.is_here();
         if are_here(&(&self.positions, &self.steps)) && saved.as_ref().is_none_or(are_here) {
             return;
         }
@@ -170,7 +180,10 @@ mod tests {
             assert!(there.are_remote() && !there.positions.is_here());
             if is_read {
                 there.fetch(&memory);
-                assert_eq!(there.positions, Values::from(vec![3, 1, 0, 4, 2].into_iter().map(|row| displaced[row]).collect::<Vec<_>>()));
+                assert_eq!(
+                    there.positions,
+                    Values::from(vec![3, 1, 0, 4, 2].into_iter().map(|row| displaced[row]).collect::<Vec<_>>())
+                );
             }
             assert!(there.advance_remotely(frame(&cell), |name| name == "velocity", &memory));
             there.fetch(&memory);

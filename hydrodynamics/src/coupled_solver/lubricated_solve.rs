@@ -17,6 +17,7 @@ use domain::{Comm, Interrupt, Interrupted, Particles, RemoteHolder, Traceless, U
 use fcm::{
     Iterate, IterationOutcome, Limits, Linear, Loads, Motion, Multipoles, Plan, SolveError, conjugate_gradients,
 };
+use solver::BackgroundFlow;
 
 /// [`crate::CoupledSolver::solve`] with near pairs or rigid bodies, in scaled units.
 pub(super) struct LubricatedSolve<'a> {

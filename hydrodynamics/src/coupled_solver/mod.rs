@@ -174,7 +174,11 @@ impl CoupledSolver {
         self.far.mobility().constrain(flux.as_ref().map(ConstantFlux::constraint));
         if self.near.is_some() || bodies.is_some() {
             let units = self.units;
-            let own = if acting.moving_in.is_some() { Cow::Borrowed(particles) } else { Cow::Owned(units::particles(particles, &units)) };
+            let own = if acting.moving_in.is_some() {
+                Cow::Borrowed(particles)
+            } else {
+                Cow::Owned(units::particles(particles, &units))
+            };
             let strain_rate = strain_rate.in_units(units.rate(), units.length);
             let bodies = bodies.map(|bodies| bodies.in_units(&units));
             let acting = SolveInput { strain_rate, bodies: bodies.as_ref(), ..*acting };

@@ -1,13 +1,14 @@
 //! Near pairs of a solve.
 
+use crate::ambient::StrainRate;
 use crate::coupled_solver::{CoupledSolver, in_units};
 use crate::pairs::search::{Connections, NearField, NearPairs};
 use crate::solution::SolveInput;
 use crate::springs::Springs;
 use crate::system::SingleSpheres;
 use crate::units;
-use domain::{DomainView, Particles, PeriodicBox};
-use fcm::{NearInput, NearTables};
+use domain::{Boundaries, DomainView, Particles, PeriodicBox, RemoteHolder};
+use fcm::{Loads, NearInput, NearTables};
 
 impl CoupledSolver {
     /// Near pairs of particles in scaled units, in a box in the original units, with the strain rate and the bodies of

@@ -30,7 +30,7 @@ use coupled::SolutionLists;
 use domain::parallel::{equal, mapped};
 use domain::{Halo, Particles, Partition, PeriodicBox, RemoteHolder, Traceless, Units, Vector, remote_columns, sphere};
 use gpu::{
-    ColumnUnits, Cuda, Device, DeviceError, DeviceList, DeviceMotion, LoadFactors, NearInput, NearTables, PairDraw,
+    ColumnUnits, Cuda, Device, DeviceError, DeviceMotion, LoadFactors, MovedParticles, NearInput, NearTables, PairDraw,
     PlacedParticles, SplitFarField, SurfaceLaws,
 };
 use images::{HostImages, PlacedClasses};
@@ -39,7 +39,7 @@ use present::{PresentLoads, RankPeers, grid_share};
 use rigid::{ResidentProblem, ResidentSolution};
 use std::cell::RefCell;
 use std::rc::Rc;
-use tables::PlanTables;
+use tables::{GridFrame, PlanTables};
 use vectors::SharedField;
 
 /// Far field of a plan on a device, in internal units as those of [`GridFarField`].
@@ -154,20 +154,42 @@ impl DeviceFarField {
         self.plan.viscosity / self.units.viscosity
     }
 
-    /// Positions of the particles that were arranged last, where they have moved on the device.
-    fn moved_list(&self, particles: &Particles) -> Option<DeviceList> {
-        let Particles { ids, radii, .. } = &self.particles;
-        let remote = particles.positions.remote_list().filter(|_| !particles.positions.is_here())?;
-        assert!(equal(ids, &particles.ids) && equal(radii, &particles.radii), "particles move where they were arranged");
-        Some(self.kept.held(remote))
+    /// Arranges particles whose positions are here, and those of other ranks near them, in a frame of a box in internal
+    /// units. Collective.
+    fn arrange_present(&mut self, frame: &GridFrame, own: &PeriodicBox, particles: &Particles) {
+        let inverse = 1.0 / self.units.length;
+        let mut positions = mapped(&particles.positions, |&x| x * inverse);
+        let mut classes = mapped(&particles.radii, |&a| self.plan.class_of(a));
+        let halo = Rc::new(present::halo(&self.plan, &self.units, &self.partition, own, &positions));
+        halo.extend(&mut positions);
+        halo.extend(&mut classes);
+        if !halo.is_alone() {
+            let peers = RankPeers { comm: self.partition.comm().clone(), halo: Rc::clone(&halo) };
+            self.split.borrow_mut().set_peers(Rc::new(peers));
+        }
+        let fractions = frame.all_fractions(&positions);
+        let placed = PlacedParticles { fractions: fractions.as_flattened(), classes: &classes, owned: halo.owned() };
+        succeeded(self.split.borrow_mut().arrange(&placed));
+        if let Some(images) = &mut self.images {
+            let present =
+                PlacedClasses { ids: &halo.extended(&particles.ids), positions: &positions, classes: &classes };
+            succeeded(self.split.borrow_mut().set_images(&images.of(own, present, halo.owned())));
+        }
+        self.halo = halo;
     }
 
-    fn note_search(&mut self) {
-        if let Some((_, is_arranged)) = &mut self.host {
-            *is_arranged = false;
-        }
-        self.work.searches += 1;
-        self.note_seconds();
+    /// Arranges particles that have moved on the device.
+    fn arrange_moved(&mut self, particles: &Particles) {
+        let remote = particles.positions.remote_list().expect("positions are here or on the device");
+        let Particles { ids, radii, .. } = &self.particles;
+        let are_known = self.arranged.is_some() && equal(ids, &particles.ids) && equal(radii, &particles.radii);
+        let classes = (!are_known).then(|| mapped(&particles.radii, |&a| self.plan.class_of(a)));
+        let moved = MovedParticles {
+            positions: self.kept.held(remote),
+            classes: classes.as_deref(),
+            length: self.units.length,
+        };
+        succeeded(self.split.borrow_mut().arrange_moved(&moved));
     }
 
     /// Largest load of a problem as a force, with those by which spheres resist the rates of strain.
@@ -217,36 +239,21 @@ impl FarField for DeviceFarField {
             succeeded(self.split.borrow_mut().set_box(&self.tables.in_box(&frame.lattice)));
             self.arranged = Some(frame.lattice);
         }
-        if let Some(list) = self.moved_list(particles) {
-            succeeded(self.split.borrow_mut().arrange_moved(&list, self.units.length));
-            (self.cell, self.particles) = (*cell, particles.without_columns());
-            self.note_search();
-            return;
-        }
-        let mut positions = mapped(&particles.positions, |&x| x * inverse);
-        let mut classes = mapped(&particles.radii, |&a| self.plan.class_of(a));
-        let halo = Rc::new(present::halo(&self.plan, &self.units, &self.partition, &own, &positions));
-        halo.extend(&mut positions);
-        halo.extend(&mut classes);
-        if !halo.is_alone() {
-            let peers = RankPeers { comm: self.partition.comm().clone(), halo: Rc::clone(&halo) };
-            self.split.borrow_mut().set_peers(Rc::new(peers));
-        }
-        let fractions = frame.all_fractions(&positions);
-        let placed = PlacedParticles { fractions: fractions.as_flattened(), classes: &classes, owned: halo.owned() };
-        succeeded(self.split.borrow_mut().arrange(&placed));
-        if let Some(images) = &mut self.images {
-            let present =
-                PlacedClasses { ids: &halo.extended(&particles.ids), positions: &positions, classes: &classes };
-            succeeded(self.split.borrow_mut().set_images(&images.of(&own, present, halo.owned())));
-        }
-        self.halo = halo;
         if self.particles.ids != particles.ids {
             self.places = remote_columns::places_by_id(&particles.ids);
             succeeded(self.split.borrow_mut().set_places(&self.places));
         }
+        if particles.positions.is_here() {
+            self.arrange_present(&frame, &own, particles);
+        } else {
+            self.arrange_moved(particles);
+        }
         (self.cell, self.particles) = (*cell, particles.without_columns());
-        self.note_search();
+        if let Some((_, is_arranged)) = &mut self.host {
+            *is_arranged = false;
+        }
+        self.work.searches += 1;
+        self.note_seconds();
     }
 
     fn is_arranged(&self, cell: &PeriodicBox, particles: &Particles) -> bool {
@@ -255,8 +262,8 @@ impl FarField for DeviceFarField {
             return false;
         }
         let are_here = positions.is_here() && particles.positions.is_here();
-        let is_same = positions.shares_memory_with(&particles.positions)
-            || are_here && equal(positions, &particles.positions);
+        let is_same =
+            positions.shares_memory_with(&particles.positions) || are_here && equal(positions, &particles.positions);
         is_same && equal(radii, &particles.radii)
     }
 
