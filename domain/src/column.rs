@@ -44,10 +44,10 @@ pub struct ColumnError {
 /// The list may be where it was computed, as a [`RemoteList`]. It is read as any other once
 /// [`crate::Particles::fetch`] has brought a copy; values that are changed here are no longer those of the remote list.
 #[derive(Debug, Clone)]
-pub struct Values<T>(Arc<Stored<T>>);
+pub struct ParticleValues<T>(Arc<Stored<T>>);
 
 /// Numbers of a column.
-pub type ColumnValues = Values<f64>;
+pub type ColumnValues = ParticleValues<f64>;
 
 /// A list, of which at least one of both is there.
 #[derive(Debug, Clone)]
@@ -56,7 +56,7 @@ struct Stored<T> {
     remote: Option<RemoteList>,
 }
 
-impl<T> Values<T> {
+impl<T> ParticleValues<T> {
     /// A list that is elsewhere.
     pub fn remote(list: RemoteList) -> Self {
         Self(Arc::new(Stored { here: OnceLock::new(), remote: Some(list) }))
@@ -103,7 +103,7 @@ impl<T> Values<T> {
     }
 }
 
-impl<T: Copy + Send + Sync> Values<T> {
+impl<T: Copy + Send + Sync> ParticleValues<T> {
     /// Makes the values of some rows of a list, as one of several loops; those of a remote list are in the order of ids
     /// in any case.
     pub(crate) fn arrange_in<'a>(&'a mut self, loops: &mut FusedLoops<'a>, from: &'a Self, order: &'a [usize]) {
@@ -132,31 +132,31 @@ impl<T: Copy + Send + Sync> Values<T> {
 /// Message of a panic, which would be a mistake in the program.
 const MISSING: &str = "the values of a remote list are fetched before they are read";
 
-impl<T> Default for Values<T> {
+impl<T> Default for ParticleValues<T> {
     fn default() -> Self {
         Vec::new().into()
     }
 }
 
-impl<T: PartialEq> PartialEq for Values<T> {
+impl<T: PartialEq> PartialEq for ParticleValues<T> {
     fn eq(&self, other: &Self) -> bool {
         self.shares_memory_with(other) || **self == **other
     }
 }
 
-impl<T> From<Vec<T>> for Values<T> {
+impl<T> From<Vec<T>> for ParticleValues<T> {
     fn from(values: Vec<T>) -> Self {
         Self(Arc::new(Stored { here: values.into(), remote: None }))
     }
 }
 
-impl<T> FromIterator<T> for Values<T> {
+impl<T> FromIterator<T> for ParticleValues<T> {
     fn from_iter<I: IntoIterator<Item = T>>(values: I) -> Self {
         Vec::from_iter(values).into()
     }
 }
 
-impl<T: Copy + Send + Sync> IntoIterator for Values<T> {
+impl<T: Copy + Send + Sync> IntoIterator for ParticleValues<T> {
     type Item = T;
     type IntoIter = std::vec::IntoIter<T>;
 
@@ -165,7 +165,7 @@ impl<T: Copy + Send + Sync> IntoIterator for Values<T> {
     }
 }
 
-impl<'a, T> IntoIterator for &'a Values<T> {
+impl<'a, T> IntoIterator for &'a ParticleValues<T> {
     type Item = &'a T;
     type IntoIter = std::slice::Iter<'a, T>;
 
@@ -174,7 +174,7 @@ impl<'a, T> IntoIterator for &'a Values<T> {
     }
 }
 
-impl<'a, T: Copy + Send + Sync> IntoIterator for &'a mut Values<T> {
+impl<'a, T: Copy + Send + Sync> IntoIterator for &'a mut ParticleValues<T> {
     type Item = &'a mut T;
     type IntoIter = std::slice::IterMut<'a, T>;
 
@@ -183,7 +183,7 @@ impl<'a, T: Copy + Send + Sync> IntoIterator for &'a mut Values<T> {
     }
 }
 
-impl<T> Deref for Values<T> {
+impl<T> Deref for ParticleValues<T> {
     type Target = Vec<T>;
 
     fn deref(&self) -> &Vec<T> {
@@ -191,7 +191,7 @@ impl<T> Deref for Values<T> {
     }
 }
 
-impl<T: Copy + Send + Sync> DerefMut for Values<T> {
+impl<T: Copy + Send + Sync> DerefMut for ParticleValues<T> {
     fn deref_mut(&mut self) -> &mut Vec<T> {
         if Arc::get_mut(&mut self.0).is_none_or(|stored| stored.remote.is_some()) {
             *self = copied(self).into();

@@ -62,7 +62,7 @@ pub use block::{block, block_of};
 pub use body_shape::{BodyShape, BodySphere, EqualSpheres};
 pub use boundaries::Boundaries;
 pub use by_id::ById;
-pub use column::{Column, ColumnError, ColumnValues, Values};
+pub use column::{Column, ColumnError, ColumnValues, ParticleValues};
 pub use comm::{Comm, CommError, Failure, Incoming, Launcher, Outgoing, Window};
 pub use domain_view::DomainView;
 pub use given_positions::GivenPositions;

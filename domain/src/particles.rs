@@ -3,7 +3,7 @@
 pub mod remote_motion;
 pub mod saved_state;
 
-use crate::column::{Column, ColumnError, ColumnValues, Values};
+use crate::column::{Column, ColumnError, ColumnValues, ParticleValues};
 use crate::parallel::{FusedLoops, MeasuredLoop, change_rows, sort, stage};
 use crate::rows::{RowExchange, RowMove, Selection, SortedExchange};
 use crate::{Partition, PeriodicBox, Scalars, Vector};
@@ -18,9 +18,9 @@ pub struct Particles {
     /// Unique ids; a particle keeps its id for the whole run.
     pub ids: Vec<u64>,
     /// Centres, inside the box.
-    pub positions: Values<Vector>,
+    pub positions: ParticleValues<Vector>,
     /// Lattice steps that wrapping has taken out of each position.
-    pub steps: Values<[i32; 3]>,
+    pub steps: ParticleValues<[i32; 3]>,
     /// Radii.
     pub radii: Vec<f64>,
     /// Species, as indices into the scene's list.
@@ -118,7 +118,7 @@ impl Particles {
         if let Some(list) = self.positions.remote_list() {
             let terms: Vec<_> =
                 columns.into_iter().zip(weights).map(|(name, w)| (find(name).values.clone(), w)).collect();
-            self.positions = Values::remote(list.clone());
+            self.positions = ParticleValues::remote(list.clone());
             self.displacements.extend(terms);
             return;
         }

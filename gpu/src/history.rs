@@ -92,9 +92,10 @@ pub struct GuessedVectors {
     pub moments: DeviceList,
 }
 
-/// A solution whose columns are stored: velocities, then angular velocities of all particles, three numbers each, unless
-/// they move on the device; the sum of the squares of velocities; and for each column from which solves start, two sums
-/// over its numbers `x`, the line `l` and the parabola `p` of the guess: of `(x - l) (p - l)`, and of `(p - l)^2`.
+/// A solution whose columns are stored: velocities, then angular velocities of all particles, three numbers each,
+/// unless they move on the device; the sum of the squares of velocities; and for each column from which solves start,
+/// two sums over its numbers `x`, the line `l` and the parabola `p` of the guess: of `(x - l) (p - l)`, and of
+/// `(p - l)^2`.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct StoredResult {
     /// Velocities and angular velocities.
@@ -120,6 +121,9 @@ struct History {
     gradient: [f64; 9],
     spin: [f64; 3],
 }
+
+/// Bytes of these arguments.
+pub(crate) const ARGUMENT_BYTES: f64 = size_of::<History>() as f64;
 
 impl SplitFarField {
     /// Sets the place of each row in the columns of solutions.

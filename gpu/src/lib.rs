@@ -5,6 +5,7 @@
 //! [`SplitFarField`] has the order of an evaluation, and the vectors of an iteration with near pairs or without. It
 //! knows arrays and tables, but neither plans nor units: those are the concern of the crate `fcm`.
 
+mod arrangement;
 mod assembly;
 mod buffers;
 mod copies;

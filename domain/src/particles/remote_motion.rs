@@ -1,7 +1,7 @@
 //! Positions in a remote memory, where particles move.
 
 use super::Particles;
-use crate::column::{Column, ColumnValues, Values};
+use crate::column::{Column, ColumnValues, ParticleValues};
 use crate::parallel::{mapped, of_rows};
 use crate::{PeriodicBox, RemoteDisplacement, RemoteHolder, RemoteList, Tensor, Vector, remote_columns};
 
@@ -79,10 +79,10 @@ impl Particles {
         let Some(moved) = holder.advance(&displaced) else { return false };
         let columns: Vec<usize> = columns().collect();
         for (k, list) in columns.into_iter().zip(moved.velocities) {
-            self.columns[k].values = Values::remote(list);
+            self.columns[k].values = ParticleValues::remote(list);
         }
-        self.positions = Values::remote(moved.positions);
-        self.steps = Values::remote(moved.steps);
+        self.positions = ParticleValues::remote(moved.positions);
+        self.steps = ParticleValues::remote(moved.steps);
         self.displacements.clear();
         true
     }
@@ -91,8 +91,9 @@ impl Particles {
     /// and displacements are here.
     pub(super) fn fetch_positions(&self, holder: &dyn RemoteHolder) {
         let saved = self.saved.as_ref().map(|saved| saved.places());
-        let are_here =
-            |(positions, steps): &(&Values<Vector>, &Values<[i32; 3]>)| positions.is_here() && steps.is_here();
+        let are_here = |(positions, steps): &(&ParticleValues<Vector>, &ParticleValues<[i32; 3]>)| {
+            positions.is_here() && steps.is_here()
+        };
         if are_here(&(&self.positions, &self.steps)) && saved.as_ref().is_none_or(are_here) {
             return;
         }
@@ -117,7 +118,7 @@ fn whole(_: usize, steps: [f64; 3]) -> [i32; 3] {
 
 /// Copies values of three numbers each from the memory that holds them, unless they are here.
 fn receive<T: Copy + Send + Sync>(
-    values: &Values<T>,
+    values: &ParticleValues<T>,
     places: &[u32],
     holder: &dyn RemoteHolder,
     value: impl Fn(usize, [f64; 3]) -> T + Sync,
@@ -182,7 +183,7 @@ mod tests {
                 there.fetch(&memory);
                 assert_eq!(
                     there.positions,
-                    Values::from(vec![3, 1, 0, 4, 2].into_iter().map(|row| displaced[row]).collect::<Vec<_>>())
+                    ParticleValues::from(vec![3, 1, 0, 4, 2].into_iter().map(|row| displaced[row]).collect::<Vec<_>>())
                 );
             }
             assert!(there.advance_remotely(frame(&cell), |name| name == "velocity", &memory));

@@ -1,7 +1,7 @@
 //! State of a particle store to which a step that fails returns.
 
 use super::Particles;
-use crate::column::{Column, ColumnValues, Values};
+use crate::column::{Column, ColumnValues, ParticleValues};
 use crate::parallel::{FusedLoops, MeasuredLoop, of_rows};
 use crate::rows::{RowExchange, RowMove, Selection};
 use crate::{Comm, RemoteHolder, Scalars, Vector, remote_columns};
@@ -21,13 +21,13 @@ pub struct SavedState {
 pub(super) struct SavedRows {
     /// Rank and row.
     home: Vec<[u32; 2]>,
-    positions: Values<Vector>,
-    steps: Values<[i32; 3]>,
+    positions: ParticleValues<Vector>,
+    steps: ParticleValues<[i32; 3]>,
 }
 
 impl SavedState {
     /// Positions and lattice steps.
-    pub(super) fn places(&self) -> (&Values<Vector>, &Values<[i32; 3]>) {
+    pub(super) fn places(&self) -> (&ParticleValues<Vector>, &ParticleValues<[i32; 3]>) {
         (&self.rows.positions, &self.rows.steps)
     }
 }

@@ -174,11 +174,7 @@ impl CoupledSolver {
         self.far.mobility().constrain(flux.as_ref().map(ConstantFlux::constraint));
         if self.near.is_some() || bodies.is_some() {
             let units = self.units;
-            let own = if acting.moving_in.is_some() {
-                Cow::Borrowed(particles)
-            } else {
-                Cow::Owned(units::particles(particles, &units))
-            };
+            let own = self.in_units(particles, acting);
             let strain_rate = strain_rate.in_units(units.rate(), units.length);
             let bodies = bodies.map(|bodies| bodies.in_units(&units));
             let acting = SolveInput { strain_rate, bodies: bodies.as_ref(), ..*acting };
@@ -206,22 +202,32 @@ impl CoupledSolver {
                 };
                 let SolveInput { keeps_columns, moving_in, .. } = acting;
                 let case = SolveCase { loads, ambient, guess, keeps_columns, moving_in };
-                let mut solved = solve.run(Scaled { mobility, units }, case)?;
-                if let Some(flux) = &flux {
-                    flux.complete(&mut solved, self.partition.comm());
-                }
-                return Ok(solved);
+                let solved = solve.run(Scaled { mobility, units }, case)?;
+                return Ok(self.with_flux(solved, flux.as_ref()));
             }
         }
         let added = self.with_surface_forces(cell, particles, acting);
         let loads = added.as_ref().unwrap_or(loads);
         let Guess { stresslets_far: guess, .. } = &guess.listed(&particles.ids, self.holder.as_deref());
         let input = RigidInput { loads, ambient, background: strain_rate.at_zero, guess, quadrupoles };
-        let mut solved = self.solve_far(cell, particles, &input)?;
-        if let Some(flux) = &flux {
+        let solved = self.solve_far(cell, particles, &input)?;
+        Ok(self.with_flux(solved, flux.as_ref()))
+    }
+
+    /// A solution with the flow that keeps the flux, if there is one. Collective.
+    fn with_flux(&self, mut solved: Solution, flux: Option<&ConstantFlux>) -> Solution {
+        if let Some(flux) = flux {
             flux.complete(&mut solved, self.partition.comm());
         }
-        Ok(solved)
+        solved
+    }
+
+    /// Particles in scaled units, or as they are if they move where the far field is evaluated.
+    fn in_units<'a>(&self, particles: &'a Particles, acting: &SolveInput) -> Cow<'a, Particles> {
+        match acting.moving_in {
+            Some(_) => Cow::Borrowed(particles),
+            None => Cow::Owned(units::particles(particles, &self.units)),
+        }
     }
 
     /// Motions of particles without near pairs.

@@ -1,5 +1,9 @@
 //! The simulation box in time: static, sheared (Lees-Edwards), stretched (Kraynik-Reinelt), or open.
 
+mod remote;
+#[cfg(test)]
+mod tests;
+
 use crate::bodies;
 use crate::columns::are_velocities;
 use crate::flow::constant_flux::ConstantFluxState;
@@ -8,7 +12,7 @@ use crate::flow::kraynik_reinelt::{Matrix, Named, StretchingLattice};
 use crate::flow::stress_control::{Search, StressControl, StressTarget};
 use crate::model::{Extension, ShearRates};
 use domain::parallel::{change_rows, copied, equal};
-use domain::{Boundaries, Particles, PeriodicBox, RemoteFrame, RemoteHolder, Scalars, Tensor, Traceless, Vector};
+use domain::{Boundaries, Particles, PeriodicBox, Scalars, Tensor, Traceless, Vector};
 use hydrodynamics::Poiseuille;
 use hydrodynamics::StrainRate;
 use simulation::Clock;
@@ -335,28 +339,6 @@ impl PeriodicCell {
         }
     }
 
-    /// [`Self::advance_to`] for particles in a remote memory, in a flow that does not advect them. Returns `false`, with
-    /// no effect, if the lattice vectors of the box change, or if a particle is farther from it than some edges.
-    pub fn advance_remotely(
-        &mut self,
-        time: f64,
-        particles: &mut Particles,
-        farthest: f64,
-        holder: &dyn RemoteHolder,
-    ) -> bool {
-        let (cell, vectors) = self.shape_at(time);
-        if vectors != self.vectors {
-            return false;
-        }
-        let (is_flowing, gradient) = (self.flow != BackgroundFlow::NONE, self.flow.gradient());
-        let frame = RemoteFrame { cell: &cell, gradient, farthest };
-        let is_moved = particles.advance_remotely(frame, |name| is_flowing && are_velocities(name), holder);
-        if is_moved {
-            (self.time, self.cell) = (time, cell);
-        }
-        is_moved
-    }
-
     /// Matrix that converts lattice steps to other vectors of the box.
     fn renamed(&self, vectors: Vectors) -> Matrix {
         match (&self.motion, self.vectors, vectors) {
@@ -411,6 +393,3 @@ fn carry_by(deformation: Deformation, particles: &mut Particles) {
     }
     velocities(particles).for_each(carry);
 }
-
-#[cfg(test)]
-mod tests;
