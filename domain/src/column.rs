@@ -1,6 +1,6 @@
 //! Columns of a particle store: named properties, whose numbers copies share until one of them changes.
 
-use crate::parallel::copied;
+use crate::parallel::{FusedLoops, copied};
 use crate::remote_list::RemoteList;
 use std::ops::{Deref, DerefMut};
 use std::sync::{Arc, OnceLock};
@@ -31,7 +31,7 @@ pub struct ColumnError {
     pub particles: usize,
 }
 
-/// Numbers of a column: a list of which copies share the memory until one of them is changed.
+/// Values of particles: a list of which copies share the memory until one of them is changed.
 ///
 /// ```
 /// let first = domain::ColumnValues::from(vec![1.0, 2.0]);
@@ -42,42 +42,58 @@ pub struct ColumnError {
 /// ```
 ///
 /// The list may be where it was computed, as a [`RemoteList`]. It is read as any other once
-/// [`crate::Particles::fetch`] has brought a copy; numbers that are changed here are no longer those of the remote
-/// list.
+/// [`crate::Particles::fetch`] has brought a copy; values that are changed here are no longer those of the remote list.
 #[derive(Debug, Clone)]
-pub struct ColumnValues(Arc<Stored>);
+pub struct ParticleValues<T>(Arc<Stored<T>>);
+
+/// Numbers of a column.
+pub type ColumnValues = ParticleValues<f64>;
 
 /// A list, of which at least one of both is there.
-#[derive(Debug, Clone, Default)]
-struct Stored {
-    here: OnceLock<Vec<f64>>,
+#[derive(Debug, Clone)]
+struct Stored<T> {
+    here: OnceLock<Vec<T>>,
     remote: Option<RemoteList>,
 }
 
-impl ColumnValues {
+impl<T> ParticleValues<T> {
     /// A list that is elsewhere.
     pub fn remote(list: RemoteList) -> Self {
         Self(Arc::new(Stored { here: OnceLock::new(), remote: Some(list) }))
     }
 
-    /// The list elsewhere with the same numbers, if there is one.
+    /// The list elsewhere with the same values, if there is one.
     pub fn remote_list(&self) -> Option<&RemoteList> {
         self.0.remote.as_ref()
     }
 
-    /// Whether the numbers are here.
+    /// Whether the values are here.
     pub fn is_here(&self) -> bool {
         self.0.here.get().is_some()
     }
 
-    /// Keeps a copy of the numbers of a remote list here, unless there is one.
-    pub fn receive(&self, values: Vec<f64>) {
+    /// The values, if they are here.
+    pub(crate) fn here(&self) -> Option<&[T]> {
+        self.0.here.get().map(Vec::as_slice)
+    }
+
+    /// Keeps a copy of the values of a remote list here, unless there is one.
+    pub fn receive(&self, values: Vec<T>) {
         _ = self.0.here.set(values);
     }
 
-    /// The numbers in another order of the rows; those of a remote list are in the order of ids in any case.
-    pub(crate) fn rearranged(&self, of: impl FnOnce(&[f64]) -> Vec<f64>) -> Self {
-        let here = self.0.here.get().map(|values| of(values).into()).unwrap_or_default();
+    /// The same values, which are in a remote list as well.
+    #[must_use]
+    pub fn held_as(self, list: RemoteList) -> Self
+    where
+        T: Copy + Send + Sync,
+    {
+        Self(Arc::new(Stored { here: self.into_vec().into(), remote: Some(list) }))
+    }
+
+    /// The values in another order of the rows; those of a remote list are in the order of ids in any case.
+    pub(crate) fn rearranged(&self, of: impl FnOnce(&[T]) -> Vec<T>) -> Self {
+        let here = self.0.here.get().map_or_else(OnceLock::new, |values| of(values).into());
         Self(Arc::new(Stored { here, remote: self.0.remote.clone() }))
     }
 
@@ -85,9 +101,27 @@ impl ColumnValues {
     pub fn shares_memory_with(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.0, &other.0)
     }
+}
+
+impl<T: Copy + Send + Sync> ParticleValues<T> {
+    /// Makes the values of some rows of a list, as one of several loops; those of a remote list are in the order of ids
+    /// in any case.
+    pub(crate) fn arrange_in<'a>(&'a mut self, loops: &mut FusedLoops<'a>, from: &'a Self, order: &'a [usize]) {
+        *self = from.rearranged(|_| Vec::new());
+        let stored = Arc::get_mut(&mut self.0).expect("a list of one owner");
+        if let (Some(arranged), Some(values)) = (stored.here.get_mut(), from.here()) {
+            loops.mapped(arranged, order, |&row| values[row]);
+        }
+    }
+
+    /// The values here, which are no longer those of a remote list.
+    #[must_use]
+    pub fn detached(self) -> Self {
+        if self.remote_list().is_some() { self.into_vec().into() } else { self }
+    }
 
     /// The list.
-    pub fn into_vec(self) -> Vec<f64> {
+    pub fn into_vec(self) -> Vec<T> {
         match Arc::try_unwrap(self.0) {
             Ok(stored) => stored.here.into_inner().expect(MISSING),
             Err(shared) => copied(shared.here.get().expect(MISSING)),
@@ -96,51 +130,69 @@ impl ColumnValues {
 }
 
 /// Message of a panic, which would be a mistake in the program.
-const MISSING: &str = "the numbers of a remote list are fetched before they are read";
+const MISSING: &str = "the values of a remote list are fetched before they are read";
 
-impl Default for ColumnValues {
+impl<T> Default for ParticleValues<T> {
     fn default() -> Self {
         Vec::new().into()
     }
 }
 
-impl PartialEq for ColumnValues {
+impl<T: PartialEq> PartialEq for ParticleValues<T> {
     fn eq(&self, other: &Self) -> bool {
         self.shares_memory_with(other) || **self == **other
     }
 }
 
-impl From<Vec<f64>> for ColumnValues {
-    fn from(values: Vec<f64>) -> Self {
+impl<T> From<Vec<T>> for ParticleValues<T> {
+    fn from(values: Vec<T>) -> Self {
         Self(Arc::new(Stored { here: values.into(), remote: None }))
     }
 }
 
-impl FromIterator<f64> for ColumnValues {
-    fn from_iter<I: IntoIterator<Item = f64>>(values: I) -> Self {
+impl<T> FromIterator<T> for ParticleValues<T> {
+    fn from_iter<I: IntoIterator<Item = T>>(values: I) -> Self {
         Vec::from_iter(values).into()
     }
 }
 
-impl IntoIterator for ColumnValues {
-    type Item = f64;
-    type IntoIter = std::vec::IntoIter<f64>;
+impl<T: Copy + Send + Sync> IntoIterator for ParticleValues<T> {
+    type Item = T;
+    type IntoIter = std::vec::IntoIter<T>;
 
     fn into_iter(self) -> Self::IntoIter {
         self.into_vec().into_iter()
     }
 }
 
-impl Deref for ColumnValues {
-    type Target = Vec<f64>;
+impl<'a, T> IntoIterator for &'a ParticleValues<T> {
+    type Item = &'a T;
+    type IntoIter = std::slice::Iter<'a, T>;
 
-    fn deref(&self) -> &Vec<f64> {
+    fn into_iter(self) -> Self::IntoIter {
+        self.iter()
+    }
+}
+
+impl<'a, T: Copy + Send + Sync> IntoIterator for &'a mut ParticleValues<T> {
+    type Item = &'a mut T;
+    type IntoIter = std::slice::IterMut<'a, T>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.iter_mut()
+    }
+}
+
+impl<T> Deref for ParticleValues<T> {
+    type Target = Vec<T>;
+
+    fn deref(&self) -> &Vec<T> {
         self.0.here.get().expect(MISSING)
     }
 }
 
-impl DerefMut for ColumnValues {
-    fn deref_mut(&mut self) -> &mut Vec<f64> {
+impl<T: Copy + Send + Sync> DerefMut for ParticleValues<T> {
+    fn deref_mut(&mut self) -> &mut Vec<T> {
         if Arc::get_mut(&mut self.0).is_none_or(|stored| stored.remote.is_some()) {
             *self = copied(self).into();
         }

@@ -1,8 +1,9 @@
 //! Particle store: one column per property, one row per particle, and the scalars of the state.
 
+pub mod remote_motion;
 pub mod saved_state;
 
-use crate::column::{Column, ColumnError};
+use crate::column::{Column, ColumnError, ColumnValues, ParticleValues};
 use crate::parallel::{FusedLoops, MeasuredLoop, change_rows, sort, stage};
 use crate::rows::{RowExchange, RowMove, Selection, SortedExchange};
 use crate::{Partition, PeriodicBox, Scalars, Vector};
@@ -17,13 +18,15 @@ pub struct Particles {
     /// Unique ids; a particle keeps its id for the whole run.
     pub ids: Vec<u64>,
     /// Centres, inside the box.
-    pub positions: Vec<Vector>,
+    pub positions: ParticleValues<Vector>,
     /// Lattice steps that wrapping has taken out of each position.
-    pub steps: Vec<[i32; 3]>,
+    pub steps: ParticleValues<[i32; 3]>,
     /// Radii.
     pub radii: Vec<f64>,
     /// Species, as indices into the scene's list.
     pub species: Vec<u32>,
+    /// Displacements that have yet to be added to positions in a remote list, as columns of vectors and their weights.
+    pub displacements: Vec<(ColumnValues, f64)>,
     /// All other properties.
     pub columns: Vec<Column>,
     /// Numbers of the run as a whole, equal on all ranks.
@@ -48,8 +51,8 @@ impl Particles {
 
     /// Particles numbered from 0.
     pub fn numbered(positions: Vec<Vector>, radii: Vec<f64>, species: Vec<u32>) -> Self {
-        let (ids, steps) = ((0..positions.len() as u64).collect(), vec![[0; 3]; positions.len()]);
-        Self { ids, positions, steps, radii, species, ..Self::default() }
+        let (ids, steps) = ((0..positions.len() as u64).collect(), vec![[0; 3]; positions.len()].into());
+        Self { ids, positions: positions.into(), steps, radii, species, ..Self::default() }
     }
 
     /// Adds a particle, with zeros in its columns.
@@ -105,12 +108,20 @@ impl Particles {
         self.scalars.retain(|name| !is_unwanted(name));
     }
 
-    /// Adds the sum of `weights[k] * columns[k]` to the positions; columns that are missing are made, of zeros.
+    /// Adds the sum of `weights[k] * columns[k]` to the positions; columns that are missing are made, of zeros. If the
+    /// positions are in a remote list, they are displaced there by [`Self::advance_remotely`].
     pub fn displace_by<const N: usize>(&mut self, columns: [&str; N], weights: [f64; N]) {
         for name in columns {
             self.column(name, 3);
         }
-        let find = |name| self.columns.iter().find(|column| column.name == name).expect("made above");
+        let find = |name: &str| self.columns.iter().find(|column| column.name == name).expect("made above");
+        if let Some(list) = self.positions.remote_list() {
+            let terms: Vec<_> =
+                columns.into_iter().zip(weights).map(|(name, w)| (find(name).values.clone(), w)).collect();
+            self.positions = ParticleValues::remote(list.clone());
+            self.displacements.extend(terms);
+            return;
+        }
         let columns: [&[Vector]; N] = columns.map(|name| bytemuck::cast_slice(&find(name).values));
         let displacement = |row: usize| (0..N).map(|k| columns[k][row] * weights[k]).sum::<Vector>();
         change_rows(&mut self.positions, |row, position| *position += displacement(row));
@@ -132,7 +143,7 @@ impl Particles {
 
     /// Moves every position back inside the box and counts the lattice steps.
     pub fn wrap(&mut self, cell: &PeriodicBox) {
-        let places = self.positions.par_iter_mut().with_min_len(BATCH).zip(&mut self.steps);
+        let places = self.positions.par_iter_mut().with_min_len(BATCH).zip(&mut *self.steps);
         places.measured().for_each(|(position, steps)| {
             let (wrapped, taken) = cell.wrap(*position);
             *position = wrapped;
@@ -155,8 +166,8 @@ impl Particles {
         let (mut arranged, mut rows) = (Self::default(), SavedRows::default());
         let mut loops = FusedLoops::default();
         loops.mapped(&mut arranged.ids, order, |&row| ids[row]);
-        loops.mapped(&mut arranged.positions, order, |&row| positions[row]);
-        loops.mapped(&mut arranged.steps, order, |&row| steps[row]);
+        arranged.positions.arrange_in(&mut loops, positions, order);
+        arranged.steps.arrange_in(&mut loops, steps, order);
         loops.mapped(&mut arranged.radii, order, |&row| radii[row]);
         loops.mapped(&mut arranged.species, order, |&row| species[row]);
         if let Some(saved) = saved {
@@ -168,7 +179,8 @@ impl Particles {
         }
         let Self { ids, positions, steps, radii, species, .. } = arranged;
         let (columns, scalars, saved) = (take(&mut self.columns), take(&mut self.scalars), self.saved.take());
-        *self = Self { ids, positions, steps, radii, species, columns, scalars, saved };
+        let displacements = take(&mut self.displacements);
+        *self = Self { ids, positions, steps, radii, species, displacements, columns, scalars, saved };
         self.arrange_columns(Selection(order));
     }
 
@@ -211,11 +223,12 @@ impl Particles {
     #[must_use]
     pub fn with_columns(&self, wanted: impl Fn(&str) -> bool) -> Self {
         let columns = self.columns.iter().filter(|column| wanted(&column.name)).cloned().collect();
-        let mut copy = Self { columns, scalars: self.scalars.clone(), ..Self::default() };
+        let (positions, steps) = (self.positions.clone(), self.steps.clone());
+        let displacements = self.displacements.clone();
+        let mut copy =
+            Self { positions, steps, displacements, columns, scalars: self.scalars.clone(), ..Self::default() };
         let mut loops = FusedLoops::default();
         loops.copied(&mut copy.ids, &self.ids);
-        loops.copied(&mut copy.positions, &self.positions);
-        loops.copied(&mut copy.steps, &self.steps);
         loops.copied(&mut copy.radii, &self.radii);
         loops.copied(&mut copy.species, &self.species);
         loops.run();
@@ -247,8 +260,8 @@ impl Particles {
     /// Moves the rows of one property after the other, so that only one is in memory twice.
     fn each_property(&mut self, exchange: &RowExchange) {
         self.ids = exchange.of(&self.ids, 1);
-        self.positions = exchange.of(&self.positions, 1);
-        self.steps = exchange.of(&self.steps, 1);
+        self.positions = self.positions.rearranged(|values| exchange.of(values, 1));
+        self.steps = self.steps.rearranged(|values| exchange.of(values, 1));
         self.radii = exchange.of(&self.radii, 1);
         self.species = exchange.of(&self.species, 1);
         if let Some(saved) = &mut self.saved {
@@ -266,13 +279,13 @@ impl Particles {
         };
         Self {
             ids: row_move.of(&self.ids, 1),
-            positions: row_move.of(&self.positions, 1),
-            steps: row_move.of(&self.steps, 1),
+            positions: row_move.of(&self.positions, 1).into(),
+            steps: row_move.of(&self.steps, 1).into(),
             radii: row_move.of(&self.radii, 1),
             species: row_move.of(&self.species, 1),
             columns: self.columns.iter().filter(|c| wanted(&c.name)).map(column).collect(),
             scalars: self.scalars.clone(),
-            saved: None,
+            ..Self::default()
         }
     }
 }

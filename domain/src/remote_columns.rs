@@ -39,41 +39,23 @@ pub fn fetch(ids: &[u64], columns: &[(&ColumnValues, usize)], holder: &dyn Remot
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::remote_memory::RemoteMemory;
     use crate::{Comm, Particles, Vector};
-    use std::cell::RefCell;
 
-    /// A memory with lists of two numbers for each particle, and the number of copies that it has made.
-    #[derive(Default)]
-    struct Memory {
-        lists: Vec<(RemoteList, Vec<f64>)>,
-        copies: RefCell<usize>,
+    /// A column with the ids, in their order, and some other numbers.
+    fn column(memory: &RemoteMemory, ids: &[u64], factor: f64) -> ColumnValues {
+        let mut ids = ids.to_vec();
+        ids.sort_unstable();
+        let values: Vec<f64> = ids.iter().flat_map(|&id| [id as f64, factor * id as f64]).collect();
+        ColumnValues::remote(memory.hold(&values))
     }
 
-    impl Memory {
-        /// A column with the ids, in their order, and some other numbers.
-        fn column(&mut self, ids: &[u64], factor: f64) -> ColumnValues {
-            let mut ids = ids.to_vec();
-            ids.sort_unstable();
-            let list = RemoteList::new();
-            self.lists.push((list.clone(), ids.iter().flat_map(|&id| [id as f64, factor * id as f64]).collect()));
-            ColumnValues::remote(list)
-        }
-    }
-
-    impl RemoteHolder for Memory {
-        fn copies(&self, lists: &[&RemoteList]) -> Vec<Vec<f64>> {
-            *self.copies.borrow_mut() += lists.len();
-            let of = |list: &&RemoteList| self.lists.iter().find(|(known, _)| known == *list).unwrap().1.clone();
-            lists.iter().map(of).collect()
-        }
-    }
-
-    fn particles(memory: &mut Memory) -> Particles {
+    fn particles(memory: &RemoteMemory) -> Particles {
         let mut particles = Particles::default();
         for (row, id) in [40, 7, 900, 12].into_iter().enumerate() {
             particles.push(id, Vector::splat(row as f64), 1.0, 0);
         }
-        particles.column("far", 2).values = memory.column(&particles.ids, 3.0);
+        particles.column("far", 2).values = column(memory, &particles.ids, 3.0);
         particles
     }
 
@@ -86,8 +68,8 @@ mod tests {
     #[test]
     fn rows_have_their_numbers_in_any_order() {
         for is_early in [false, true] {
-            let mut memory = Memory::default();
-            let mut particles = particles(&mut memory);
+            let memory = RemoteMemory::default();
+            let mut particles = particles(&memory);
             particles.save(&Comm::alone());
             if is_early {
                 particles.fetch(&memory);
@@ -115,17 +97,17 @@ mod tests {
     /// those of the remote list, which its holder may release.
     #[test]
     fn lists_are_copied_once() {
-        let mut memory = Memory::default();
-        let mut particles = particles(&mut memory);
+        let memory = RemoteMemory::default();
+        let mut particles = particles(&memory);
         particles.column("past", 2).values = particles.column("far", 2).values.clone();
         particles.fetch(&memory);
         particles.fetch(&memory);
-        assert_eq!(*memory.copies.borrow(), 1);
+        assert_eq!(memory.copies.get(), 1);
         particles.column("far", 2).values[0] = -1.0;
         assert!(particles.column("far", 2).values.remote_list().is_none());
         assert_eq!(particles.column("past", 2).values[..2], [40.0, 120.0]);
-        assert!(!memory.lists[0].0.is_alone());
+        assert!(!memory.lists.borrow()[0].0.is_alone());
         particles.remove(|name| name == "past");
-        assert!(memory.lists[0].0.is_alone());
+        assert!(memory.lists.borrow()[0].0.is_alone());
     }
 }

@@ -1,5 +1,6 @@
 //! Lists of numbers that are where they were computed until the host reads them.
 
+use crate::{PeriodicBox, Tensor};
 use std::sync::Arc;
 
 /// A list of numbers of particles, in the order of their ids, that another memory than the host's holds. Clones stand
@@ -31,4 +32,38 @@ impl Eq for RemoteList {}
 pub trait RemoteHolder {
     /// Copies of lists that it holds, in the order of the particles' ids.
     fn copies(&self, lists: &[&RemoteList]) -> Vec<Vec<f64>>;
+
+    /// Copies a list in the order of ids to it.
+    fn hold(&self, values: &[f64]) -> RemoteList;
+
+    /// Moves particles whose positions it holds, and wraps them into a box; `None` if a particle is lost.
+    fn advance(&self, displaced: &RemoteDisplacement) -> Option<RemoteAdvance>;
+}
+
+/// Particles in a remote memory, by columns whose rows are in the order of their ids.
+pub struct RemoteDisplacement<'a> {
+    /// Positions.
+    pub positions: &'a RemoteList,
+    /// Lattice steps that were taken out of the positions.
+    pub steps: &'a RemoteList,
+    /// Displacements, as columns of vectors and their weights.
+    pub terms: &'a [(RemoteList, f64)],
+    /// Columns of velocities in a flow.
+    pub velocities: &'a [RemoteList],
+    /// Velocity gradient of the flow.
+    pub gradient: Tensor,
+    /// The box, which is periodic and has its axes along x, y and z.
+    pub cell: &'a PeriodicBox,
+    /// Distance from the box, in edges, from which on a particle is lost.
+    pub farthest: f64,
+}
+
+/// Particles after a displacement.
+pub struct RemoteAdvance {
+    /// Positions inside the box.
+    pub positions: RemoteList,
+    /// Lattice steps that were taken out of the positions.
+    pub steps: RemoteList,
+    /// Velocities in the frames of reference of these positions.
+    pub velocities: Vec<RemoteList>,
 }

@@ -5,6 +5,7 @@
 #include "assembly.h"
 #include "channel.h"
 #include "coupled.h"
+#include "displace.h"
 #include "exchange.h"
 #include "grouping.h"
 #include "history.h"
@@ -93,5 +94,7 @@ KERNEL(krylov_norm, sum_square)
 KERNEL(guess_all, guess_solution)
 KERNEL(store_all, store_solution)
 KERNEL(compare_all, compare_with_guess)
+KERNEL(displace_all, displace)
+KERNEL(place_all, place_particles)
 KERNELS(float, f32)
 KERNELS(double, f64)

@@ -23,6 +23,10 @@ struct History {
     double line[PAST], parabola[PAST], blend[column::GUESSED];
     // Units of the host over those of the solve.
     double velocity, rate, torque;
+    // Positions, and the velocities and angular velocities of particles that move on the device, or 0; the velocity
+    // gradient of the background by rows, and its angular velocity.
+    const double *positions;
+    double *moving, *turning, gradient[9], spin[3];
 };
 
 // A number of a column extrapolated by the line, and by the parabola minus the line.
@@ -72,7 +76,8 @@ static __device__ void guess_solution(const Task &task)
 }
 
 // Columns of a solution, from its result, the known loads, first moments in the background besides those of near pairs
-// if there are any, and first moments by motions; and velocities, then angular velocities, in the order of the host.
+// if there are any, and first moments by motions. Particles that move on the device have velocities and angular
+// velocities with those of the background; otherwise those relative to it are stored in the order of the host.
 static __device__ void store_solution(const Task &task)
 {
     int row = thread_index();
@@ -94,7 +99,13 @@ static __device__ void store_solution(const Task &task)
         history.found[column::INDUCED + of_kind][to] = induced * unit;
         history.found[column::MOTION + of_kind][to] = motion[k] * unit;
         history.found[column::FORCE + of_kind][to] = of_kind == 0 ? on_fluid : on_fluid * history.torque;
-        task.image[3 * count * of_kind + 3 * row + k % 3] = motion[k] * unit;
+        if (!history.moving) task.image[3 * count * of_kind + 3 * row + k % 3] = motion[k] * unit;
+    }
+    for (int axis = 0; history.moving && axis < 3; axis++) {
+        const double *x = history.positions + 3 * place, *slope = history.gradient + 3 * axis;
+        double flow = slope[0] * x[0] + slope[1] * x[1] + slope[2] * x[2];
+        history.moving[3 * place + axis] = motion[axis] * history.velocity + flow;
+        history.turning[3 * place + axis] = motion[3 + axis] * history.rate + history.spin[axis];
     }
     for (int k = 0; k < COMPONENTS; k++) {
         long long to = COMPONENTS * place + k;
@@ -106,7 +117,8 @@ static __device__ void store_solution(const Task &task)
 }
 
 // Sums for the weights of the parabola with which the guess would have come closest to the columns of a solution: the
-// products of what is beyond the line, in the solution and by the parabola, and the squares of the latter, by columns.
+// products of what is beyond the line, in the solution and by the parabola, and the squares of the latter, by columns,
+// or 0 without past solutions. The last sum is that of the squares of velocities.
 static __device__ void compare_with_guess(const Task &task)
 {
     long long row = thread_index();
@@ -114,7 +126,7 @@ static __device__ void compare_with_guess(const Task &task)
     for (int k = 0; k < column::GUESSED; k++) {
         int width = k == column::FAR_STRESSLET ? COMPONENTS : 3;
         double along = 0, square = 0;
-        for (int i = 0; row < task.particles && i < width; i++) {
+        for (int i = 0; history.past[k][0] && row < task.particles && i < width; i++) {
             double line, beyond;
             extrapolate(history, k, width * row + i, line, beyond);
             along += (history.found[k][width * row + i] - line) * beyond;
@@ -123,4 +135,10 @@ static __device__ void compare_with_guess(const Task &task)
         store_sum(along, task.list_sums + 2 * k * task.list_size + blockIdx.x);
         store_sum(square, task.list_sums + (2 * k + 1) * task.list_size + blockIdx.x);
     }
+    double square = 0;
+    for (int i = 0; row < task.particles && i < 3; i++) {
+        double velocity = history.found[column::MOTION][3 * row + i];
+        square += velocity * velocity;
+    }
+    store_sum(square, task.list_sums + 2 * column::GUESSED * task.list_size + blockIdx.x);
 }

@@ -46,6 +46,8 @@ struct Numbers {
     unsigned long long noise_seed;
     // Numbers of stiff and of soft pairs of all rows, and of those that the host gives.
     long long near_entries[2], given_entries;
+    // Unit of length of the host over that of the far field.
+    double length;
 };
 
 // A sphere of a block of threads that preconditions: its row, or -1; the place of the first sphere of its group in the
@@ -70,6 +72,7 @@ static constexpr int STIFF = 0, SOFT = 1;
 struct NearKind;
 struct SurfacePair;
 struct History;
+struct Displacement;
 
 // gpu/src/task.rs has the same fields in the same order. Lists without a type hold values of the precision of the
 // grid, sorted positions unsigned integers of the same size.
@@ -160,6 +163,8 @@ struct Task {
     // Columns of solutions, and the places of rows in them.
     const History *history;
     const int *places;
+    // Particles that move.
+    Displacement *displacement;
 
     double cutoff_square, inverse_viscosity;
     // Multiplier of the solve: square of the Gaussian's width, coefficient of k^2 in the bracket.

@@ -6,10 +6,10 @@ use crate::krylov_state::KrylovBuffers;
 use crate::lists::DeviceList;
 use crate::numbers::{KernelNumbers, NumberBuffers};
 use crate::pair_rows::{NearBuffers, NearRows};
-use crate::repeated::{COMMAND_LISTS, CommandList, Repeated};
+use crate::repeated::{COMMAND_LISTS, Repeated};
 use crate::share::{Peers, parts_of_lines};
 use crate::surface_laws::SurfaceLaws;
-use crate::tables::{DevicePairTable, LatticeShape, SplitTables, fixed_points};
+use crate::tables::{DevicePairTable, LatticeShape, SplitTables};
 use crate::task::{DeviceAddress, KernelTask};
 use std::rc::Rc;
 use std::time::Instant;
@@ -19,7 +19,7 @@ const BIN: usize = 4;
 const TILE: usize = 8;
 
 /// Numbers that scans leave: of neighbours, and of stiff and of soft pairs.
-const COUNTS: usize = 3;
+pub(crate) const COUNTS: usize = 3;
 
 pub(crate) const PARTICLE_THREADS: usize = 128;
 
@@ -92,17 +92,17 @@ pub(crate) struct Buffers {
     pub(crate) of_solve: [Buffer; 4],
     pub(crate) images: [Buffer; 3],
     of_box: [Buffer; 2],
-    particles: [Buffer; 8],
-    bins: [Buffer; 2],
+    pub(crate) particles: [Buffer; 8],
+    pub(crate) bins: [Buffer; 2],
     pub(crate) scans: [Buffer; 4],
-    neighbour_starts: Buffer,
-    neighbours: Buffer,
+    pub(crate) neighbour_starts: Buffer,
+    pub(crate) neighbours: Buffer,
     pub(crate) loads: [Buffer; 3],
     pub(crate) records: Buffer,
     grid: [Buffer; 2],
     pub(crate) motions: [Buffer; 3],
     /// Numbers of neighbours, of stiff and of soft pairs.
-    counts: Buffer,
+    pub(crate) counts: Buffer,
     /// Sums of blocks, of the vectors of an iteration and of the two kernels of one within it.
     pub(crate) sums: [Buffer; 3],
     numbers: NumberBuffers,
@@ -115,6 +115,8 @@ pub(crate) struct Buffers {
     pub(crate) history: Buffer,
     pub(crate) places: Buffer,
     pub(crate) compared: Buffer,
+    /// Arguments of a displacement.
+    pub(crate) displacement: Buffer,
 }
 
 impl Buffers {
@@ -142,7 +144,7 @@ pub struct SplitFarField {
     /// exchange with them.
     pub(crate) peers: Option<Rc<dyn Peers>>,
     pub(crate) host_rows: Vec<i32>,
-    neighbours: usize,
+    pub(crate) neighbours: usize,
     pub(crate) seconds: StageSeconds,
 }
 
@@ -278,80 +280,6 @@ impl SplitFarField {
     /// Sets the other devices that share the grid, for the particles that are set next.
     pub fn set_peers(&mut self, peers: Rc<dyn Peers>) {
         self.peers = Some(peers);
-    }
-
-    /// Sets the particles. Sorts them, and finds the neighbours of those whose motions are wanted.
-    pub fn arrange(&mut self, particles: &PlacedParticles) -> Result<(), DeviceError> {
-        let &PlacedParticles { fractions, classes, owned } = particles;
-        let clock = Instant::now();
-        if self.task.particles as usize != classes.len() {
-            self.release_spare();
-        }
-        self.task.particles = classes.len() as i32;
-        self.task.owned = owned as i32;
-        self.place(fractions, classes)?;
-        self.seconds.copies += clock.elapsed().as_secs_f64();
-        let clock = Instant::now();
-        self.list_neighbours()?;
-        if self.peers.is_some() && !classes.is_empty() {
-            self.host_rows.resize(classes.len(), 0);
-            self.device.download(self.task.rows, bytemuck::cast_slice_mut(&mut self.host_rows))?;
-        }
-        self.seconds.near += clock.elapsed().as_secs_f64();
-        Ok(())
-    }
-
-    /// Copies particles to the device, and reserves the lists of particles.
-    fn place(&mut self, fractions: &[f64], classes: &[u32]) -> Result<(), DeviceError> {
-        let Self { device, tables, task, buffers, .. } = self;
-        let (numbers, count, on) = (tables.numbers, classes.len(), device.as_mut());
-        // Recordings of the order do not depend on what was evaluated before.
-        [task.forces, task.torques, task.stresslets] = [0; 3];
-        [task.velocities, task.angular_velocities, task.strain_rates] = [0; 3];
-        let [positions, of_classes, keys, unsorted, rows, sorted, sorted_classes, interpolated] =
-            &mut buffers.particles;
-        task.positions = positions.fill(on, &fixed_points(fractions))?;
-        task.classes = of_classes.fill(on, bytemuck::cast_slice(classes))?;
-        task.keys = keys.reserve(on, 4 * count)?;
-        task.unsorted = unsorted.reserve(on, 4 * count)?;
-        task.rows = rows.reserve(on, 4 * count)?;
-        task.sorted_positions = sorted.reserve(on, 3 * count * numbers.size())?;
-        task.sorted_classes = sorted_classes.reserve(on, 4 * count)?;
-        task.interpolated = interpolated.reserve(on, 12 * count * numbers.size())?;
-        let bins: usize = task.bins.iter().map(|&n| n as usize).product();
-        let [starts, cursors] = &mut buffers.bins;
-        task.bin_starts = starts.reserve(on, 4 * (bins + 1))?;
-        task.bin_cursors = cursors.reserve(on, 4 * bins)?;
-        on.zero(task.bin_starts, 4 * (bins + 1))?;
-        on.zero(task.bin_cursors, 4 * bins)?;
-        task.neighbour_starts = buffers.neighbour_starts.reserve(on, 4 * (count + 1))?;
-        on.zero(task.neighbour_starts, 4 * (count + 1))?;
-        task.counts = buffers.counts.reserve(on, 4 * COUNTS)?;
-        self.reserve_sums(count)
-    }
-
-    /// Sorts the particles by bin.
-    fn sort(&mut self) -> Result<(), DeviceError> {
-        let bins: usize = self.task.bins.iter().map(|&n| n as usize).product();
-        self.run_over_particles("bin_particles", PARTICLE_THREADS)?;
-        self.scan(self.task.bin_starts, bins + 1, None)?;
-        self.launch("scatter_particles", self.particle_blocks(1, PARTICLE_THREADS), PARTICLE_THREADS)?;
-        self.run_over_particles("order_particles", PARTICLE_THREADS)
-    }
-
-    /// Sorts the particles, counts the neighbours of each, then lists them.
-    fn list_neighbours(&mut self) -> Result<(), DeviceError> {
-        let count = self.task.particles as usize;
-        self.task.neighbours = 0;
-        self.repeat(CommandList::Order, &[], |field| {
-            field.sort()?;
-            field.run_over_particles("find_neighbours", PARTICLE_THREADS)?;
-            field.scan(field.task.neighbour_starts, count + 1, Some(0))
-        })?;
-        let [found] = self.counts(0)?;
-        self.neighbours = found;
-        self.task.neighbours = self.buffers.neighbours.reserve(self.device.as_mut(), 8 * self.neighbours)?;
-        self.run_over_particles("find_neighbours", PARTICLE_THREADS)
     }
 
     /// Blocks that have some threads for each particle.

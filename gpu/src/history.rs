@@ -30,8 +30,8 @@ const GUESS: usize = 5 + 4 * 3;
 /// start of those before it, one more than are extrapolated while a step may fail.
 pub(crate) const KEPT: usize = SOLUTION + PAST * GUESS;
 
-/// Sums of a comparison with a guess: two for each column from which a solve starts.
-const COMPARED: usize = 2 * GUESSED;
+/// Sums of a comparison with a guess, two for each column from which a solve starts; and that of squares of velocities.
+const COMPARED: usize = 2 * GUESSED + 1;
 
 /// Columns of past solutions, and weights of their extrapolation.
 #[derive(Debug, Clone, Copy)]
@@ -57,6 +57,28 @@ pub struct ColumnUnits {
     pub torque: f64,
 }
 
+/// Particles that move on the device, by lists in the order of ids and in the units of the host.
+#[derive(Debug, Clone, Copy)]
+pub struct MovingLists {
+    /// Positions.
+    pub positions: DeviceList,
+    /// Velocities and angular velocities, which a solution sets.
+    pub motions: [DeviceList; 2],
+    /// Velocity gradient of the background, row by row.
+    pub gradient: [f64; 9],
+    /// Angular velocity of the background.
+    pub spin: [f64; 3],
+}
+
+/// Columns that a solution sets.
+#[derive(Debug, Clone, Copy)]
+pub struct FoundLists {
+    /// Columns of the solution.
+    pub columns: [DeviceList; COLUMNS],
+    /// Motions of particles that move on the device.
+    pub moving: Option<MovingLists>,
+}
+
 /// Vectors from which a solve starts, besides its unknowns.
 #[derive(Debug, Clone, Copy)]
 pub struct GuessedVectors {
@@ -70,13 +92,16 @@ pub struct GuessedVectors {
     pub moments: DeviceList,
 }
 
-/// A solution whose columns are stored: velocities, then angular velocities of all particles, three numbers each, and
-/// for each column from which solves start, two sums over its numbers `x`, the line `l` and the parabola `p` of the
-/// guess: of `(x - l) (p - l)`, and of `(p - l)^2`.
+/// A solution whose columns are stored: velocities, then angular velocities of all particles, three numbers each,
+/// unless they move on the device; the sum of the squares of velocities; and for each column from which solves start,
+/// two sums over its numbers `x`, the line `l` and the parabola `p` of the guess: of `(x - l) (p - l)`, and of
+/// `(p - l)^2`.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct StoredResult {
     /// Velocities and angular velocities.
     pub motions: Vec<f64>,
+    /// Sum of the squares of velocities.
+    pub square: f64,
     /// Sums.
     pub compared: [[f64; 2]; GUESSED],
 }
@@ -91,7 +116,14 @@ struct History {
     parabola: [f64; PAST],
     blend: [f64; GUESSED],
     units: [f64; 3],
+    positions: DeviceAddress,
+    moving: [DeviceAddress; 2],
+    gradient: [f64; 9],
+    spin: [f64; 3],
 }
+
+/// Bytes of these arguments.
+pub(crate) const ARGUMENT_BYTES: f64 = size_of::<History>() as f64;
 
 impl SplitFarField {
     /// Sets the place of each row in the columns of solutions.
@@ -106,7 +138,7 @@ impl SplitFarField {
     pub fn guess_coupled(
         &mut self,
         past: &PastLists,
-        found: &[DeviceList; COLUMNS],
+        found: &FoundLists,
         units: ColumnUnits,
         given: Option<DeviceList>,
         at: &GuessedVectors,
@@ -114,8 +146,19 @@ impl SplitFarField {
         let lists = past.lists.map(|lists| lists.map_or([0; PAST], |lists| lists.map(|list| list.address)));
         let &PastLists { line, parabola, blend, .. } = past;
         let ColumnUnits { velocity, rate, torque } = units;
-        let found = found.each_ref().map(|list| list.address);
-        let history = History { past: lists, found, line, parabola, blend, units: [velocity, rate, torque] };
+        let mut history = History {
+            past: lists,
+            found: found.columns.each_ref().map(|list| list.address),
+            line,
+            parabola,
+            blend,
+            units: [velocity, rate, torque],
+            ..History::zeroed()
+        };
+        if let Some(MovingLists { positions, motions, gradient, spin }) = found.moving {
+            (history.positions, history.moving) = (positions.address, motions.map(|list| list.address));
+            (history.gradient, history.spin) = (gradient, spin);
+        }
         let Self { device, buffers, task, .. } = self;
         task.history = buffers.history.fill(device.as_mut(), bytemuck::bytes_of(&history))?;
         let ambient = given.map_or(0, |list| list.address);
@@ -127,13 +170,13 @@ impl SplitFarField {
 
     /// Stores the solution after the preconditioned residual as a last correction, in the columns that the start of
     /// this solve was given, with known loads and first moments in the background besides those of near pairs, if there
-    /// are any. Compares it with the guess if all columns have past solutions.
+    /// are any. Motions are copied unless particles move on the device.
     pub fn store_coupled(
         &mut self,
         at: &CoupledVectors,
         known: &DeviceList,
         given_moments: Option<DeviceList>,
-        is_compared: bool,
+        are_moving: bool,
     ) -> Result<StoredResult, DeviceError> {
         let (count, blocks) = (self.task.particles as usize, self.blocks());
         let (result, motions) = (self.wide_list(RESULTS * count)?, self.wide_list(6 * count)?);
@@ -143,27 +186,28 @@ impl SplitFarField {
         let totals = sums + (size_of::<f64>() * COMPARED * blocks) as u64;
         let [unknowns, residual, z] = [at.unknowns, at.residual, at.preconditioned].map(|list| list.address);
         let addresses = [unknowns, residual, z, direction, image, ambient, moments, list_weights, sums];
-        let addresses: Vec<_> = addresses.into_iter().chain([u64::from(is_compared)]).collect();
         self.repeat(CommandList::Result, &addresses, |field| {
             field.gather_coupled(at, &result, moments)?;
             let (list_x, list_sums, list_size) = (moments, sums, blocks as i64);
             let task =
                 KernelTask { list_x, list_weights, list_sums, direction, image, ambient, list_size, ..field.task };
             field.launch_particles("store_all", &task)?;
-            if is_compared {
-                field.launch_particles("compare_all", &task)?;
-                field.launch_sums(sums, blocks, COMPARED, totals)?;
-            }
-            Ok(())
+            field.launch_particles("compare_all", &task)?;
+            field.launch_sums(sums, blocks, COMPARED, totals)
         })?;
-        let mut stored = StoredResult { motions: vec![0.0; 6 * count], ..StoredResult::default() };
-        let of_motions = (image, bytemuck::cast_slice_mut(&mut stored.motions));
-        if is_compared && count > 0 {
-            let of_sums = (totals, bytemuck::cast_slice_mut(&mut stored.compared));
-            self.device.download_all(&mut [of_motions, of_sums])?;
-        } else {
-            self.device.download_all(&mut [of_motions])?;
+        let mut stored =
+            StoredResult { motions: vec![0.0; if are_moving { 0 } else { 6 * count }], ..StoredResult::default() };
+        let mut of_sums = [0.0; COMPARED];
+        if count > 0 {
+            let mut parts = vec![(totals, bytemuck::cast_slice_mut(&mut of_sums))];
+            if !are_moving {
+                parts.push((image, bytemuck::cast_slice_mut(&mut stored.motions)));
+            }
+            self.device.download_all(&mut parts)?;
         }
+        let (compared, square) = of_sums.split_at(COMPARED - 1);
+        stored.compared.as_flattened_mut().copy_from_slice(compared);
+        stored.square = square[0];
         self.release(&result);
         self.release(&motions);
         Ok(stored)

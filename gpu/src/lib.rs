@@ -5,6 +5,7 @@
 //! [`SplitFarField`] has the order of an evaluation, and the vectors of an iteration with near pairs or without. It
 //! knows arrays and tables, but neither plans nor units: those are the concern of the crate `fcm`.
 
+mod arrangement;
 mod assembly;
 mod buffers;
 mod copies;
@@ -12,6 +13,7 @@ mod counted;
 mod coupled;
 mod cuda;
 mod device;
+mod displace;
 mod emulator;
 mod evaluation;
 mod exchange;
@@ -47,9 +49,13 @@ pub use coupled::{
 };
 pub use cuda::Cuda;
 pub use device::{Device, DeviceError, DeviceInfo, KernelLaunch, TransformPart, TransformTask};
+pub use displace::{DisplacementInput, MOST_COLUMNS, MovedParticles};
 pub use emulator::Emulator;
 pub use far_field::{DeviceLoads, DeviceMotion, Orders, PlacedParticles, SplitFarField, StageSeconds};
-pub use history::{COLUMN_WIDTHS, COLUMNS, ColumnUnits, GUESSED, GuessedVectors, PAST, PastLists, StoredResult};
+pub use history::{
+    COLUMN_WIDTHS, COLUMNS, ColumnUnits, FoundLists, GUESSED, GuessedVectors, MovingLists, PAST, PastLists,
+    StoredResult,
+};
 pub use images::ImageLists;
 pub use krylov::{KrylovOperator, ParticleDraw};
 pub use krylov_state::MOST_VECTORS;

@@ -2,8 +2,9 @@
 
 use crate::assembly::ROW_BYTES;
 use crate::coupled::{RESIDUALS, RESULTS, UNKNOWNS};
+use crate::displace::MOVING;
 use crate::groups::group_bytes;
-use crate::history::{KEPT, SOLUTION};
+use crate::history::{ARGUMENT_BYTES, KEPT, SOLUTION};
 use crate::krylov::krylov_bytes;
 use crate::pair_rows::PAIR_NUMBERS;
 use crate::tables::{AMPLITUDES, COLUMN_NUMBERS, NumberFormat};
@@ -61,7 +62,7 @@ pub struct NearSize {
 
 /// Bytes of a particle in the columns of past solutions that the steps of a run keep, those to which a step that fails
 /// returns among them.
-pub const HISTORY_BYTES: f64 = (size_of::<f64>() * KEPT) as f64;
+pub const HISTORY_BYTES: f64 = (size_of::<f64>() * (KEPT + MOVING)) as f64;
 
 impl NearSize {
     /// Bytes of the pairs and of the vectors of the iteration, and of one solution.
@@ -73,7 +74,7 @@ impl NearSize {
         // stresslets of the start or given moments, and ambient motions; the result; a solution, and places of ids.
         let vectors = 8 * (3 * UNKNOWNS + 2 * RESIDUALS + 10 * 6 + 5 + 11 + RESULTS + SOLUTION) + 4;
         let groups = group_bytes(self.particles as usize) as f64;
-        self.tables + pairs + groups + (ROW_BYTES + vectors) as f64 * self.particles
+        ARGUMENT_BYTES + self.tables + pairs + groups + (ROW_BYTES + vectors) as f64 * self.particles
     }
 }
 

@@ -25,6 +25,7 @@ pub(crate) struct KernelNumbers {
     pub noise_seed: u64,
     pub near_entries: [i64; 2],
     pub given_entries: i64,
+    pub length: f64,
 }
 
 /// Numbers of a direction and a step of the coupled iteration, and of an iteration for near pairs, which the host sets.

@@ -90,6 +90,7 @@ pub struct KernelTask {
     pub(crate) numbers: DeviceAddress,
     pub(crate) history: DeviceAddress,
     pub(crate) places: DeviceAddress,
+    pub(crate) displacement: DeviceAddress,
     pub(crate) cutoff_square: f64,
     pub(crate) inverse_viscosity: f64,
     pub(crate) gaussian: f64,

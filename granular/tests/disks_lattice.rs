@@ -118,7 +118,7 @@ fn lattice_steps_keep_the_way_of_every_disk() {
         for id in 0..4 {
             particles.push(id, domain::Vector::new(9.0 * id as f64, 8.0 * id as f64 + 0.5, 0.0), 0.6, 0);
         }
-        particles.steps = vec![[0, 0, 0], [2, 1, 0], [-1, -3, 0], [0, 7, 0]];
+        particles.steps = vec![[0, 0, 0], [2, 1, 0], [-1, -3, 0], [0, 7, 0]].into();
         let edges @ [length, height] = [40.0, 33.0];
         let parameters = DiskParameters { edges, flow: DiskFlow::Shear { rate }, ..DiskParameters::default() };
         let mut disks = Disks::flowing(parameters, &particles).unwrap();

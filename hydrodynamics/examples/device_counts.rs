@@ -4,7 +4,7 @@
 //!
 //!     cargo run --package fcm-solve-hydrodynamics --example device_counts
 
-use domain::{Boundaries, Comm, Particles, Partition, PeriodicBox, Traceless, Vector, random_packing};
+use domain::{Boundaries, Comm, Particles, Partition, PeriodicBox, RemoteFrame, Traceless, Vector, random_packing};
 use fcm::{
     Costs, Fixed, Loading, Loads, Method, Mobility, Multipoles, Output, PastSolutions, Plan, Precision, Problem,
     SolutionColumns, Stream, StressletSolver,
@@ -12,6 +12,7 @@ use fcm::{
 use gpu::{Counted, Device, DeviceCounts, Emulator};
 use hydrodynamics::{CoupledSolver, Guess, ShortRange, SolveInput, StrainRate};
 use lubrication::LubricationRange;
+use solver::BackgroundFlow;
 use std::collections::{BTreeMap, VecDeque};
 use std::error::Error;
 use std::f64::consts::PI;
@@ -28,6 +29,9 @@ struct CountedCase {
     fraction: f64,
 }
 
+/// Column of the velocities by which spheres move.
+const VELOCITY: &str = "velocity";
+
 /// Weights of past solutions in the start of a step, which is extrapolated by a parabola, the last one first.
 const PARABOLA: [f64; 3] = [3.0, -3.0, 1.0];
 
@@ -35,14 +39,15 @@ const PARABOLA: [f64; 3] = [3.0, -3.0, 1.0];
 const STEPS_BEFORE: usize = 6;
 
 /// Kernels by what they are for: the beginnings of their names.
-const GROUPS: [(&str, &[&str]); 8] = [
+const GROUPS: [(&str, &[&str]); 9] = [
     ("order and lists of spheres", &["bin_", "scan_", "scatter_", "order_", "find_neighbours"]),
     ("assembly of near pairs", &["find_near_", "assemble_", "moments_"]),
-    ("groups of the preconditioner", &["begin_", "choose_", "join_", "count_", "place_", "invert_"]),
+    ("groups of the preconditioner", &["begin_", "choose_", "join_", "count_", "place_groups", "invert_"]),
     ("far field", &["gather_loads", "spread_", "transform", "solve_", "interpolate_", "pair_motions"]),
     ("near pairs, and preconditioner", &["row_loads", "step_pairs", "turn_pairs", "remainder_"]),
     ("vectors and sums", &["sum_", "step_all", "measure_", "start_", "gather_all", "coupled_"]),
     ("columns of solutions", &["guess_", "store_", "compare_"]),
+    ("motion of the spheres", &["displace_", "place_all"]),
     ("random motions and loads", &["random_", "krylov_"]),
 ];
 
@@ -96,7 +101,7 @@ impl CountedCase {
 
     /// Prints what a device does for the spheres, and for a step of a run, with the start that it would have.
     fn count(&self) -> Result<(), Box<dyn Error>> {
-        let (cell, mut particles) = self.suspension()?;
+        let (cell, particles) = self.suspension()?;
         let plan = self.plan(&cell)?;
         let partition = Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]);
         let short_range = ShortRange { lubrication: Some(LubricationRange::default()), springs: None };
@@ -114,22 +119,17 @@ impl CountedCase {
         let before = counts.borrow().clone();
         let solution = on_card.solve(&cell, &particles, &shear, Guess::default())?;
         stage(&format!("a solve from rest, {} iterations", solution.iterations), &before);
-        let (mut cell, mut past) = (cell, VecDeque::new());
-        let shear = SolveInput { keeps_columns: true, ..shear };
-        for step in 1..=STEPS_BEFORE {
-            let solution = on_card.solve(&cell, &particles, &shear, extrapolated(past.make_contiguous()))?;
-            for (position, &velocity) in particles.positions.iter_mut().zip(&solution.motion.velocities) {
-                *position += (velocity + Vector::X * position.y) * STEP;
-            }
-            cell = self.cell(STRAIN + step as f64 * STEP)?;
-            particles.wrap(&cell);
-            solution.kept.into_iter().for_each(|kept| past.push_front(kept.columns));
-            past.truncate(PARABOLA.len());
+        let mut moving = particles.clone();
+        let mut past = VecDeque::new();
+        moving.move_to(on_card.holder().ok_or("the card moves no particles")?);
+        let mut before = DeviceCounts::default();
+        let mut iterations = 0;
+        for step in 0..=STEPS_BEFORE {
+            before = counts.borrow().clone();
+            iterations = self.step(&mut on_card, &mut moving, &mut past, STRAIN + step as f64 * STEP)?;
         }
-        let before = counts.borrow().clone();
-        let solution = on_card.solve(&cell, &particles, &shear, extrapolated(past.make_contiguous()))?;
-        stage(&format!("a step of a run, {} iterations", solution.iterations), &before);
-        let solution = on_card.with_lists(solution, &particles);
+        stage(&format!("a step of a run, {iterations} iterations"), &before);
+        let solution = on_card.solve(&cell, &particles, &shear, Guess::default())?;
         let before = counts.borrow().clone();
         on_card.mobility().apply(&solution.far, Output::All);
         stage("an evaluation with loads and motions of the host", &before);
@@ -144,6 +144,35 @@ impl CountedCase {
         let iterations = draw(2);
         stage(&format!("random motions and loads of a Brownian step, {iterations} iterations"), &before);
         Ok(())
+    }
+}
+
+impl CountedCase {
+    /// Moves particles on the card by the velocities of the last step, if there are any, to a strain of the box, and
+    /// solves there, from past solutions, to which the solution is added. Returns the number of iterations.
+    fn step(
+        &self,
+        on_card: &mut CoupledSolver,
+        moving: &mut Particles,
+        past: &mut VecDeque<SolutionColumns>,
+        strain: f64,
+    ) -> Result<usize, Box<dyn Error>> {
+        let (cell, flow, loads) = (self.cell(strain)?, BackgroundFlow::shear(1.0), Loads::default());
+        if let Some(holder) = on_card.holder().filter(|_| !past.is_empty()) {
+            moving.displace_by([VELOCITY], [STEP]);
+            let frame = RemoteFrame { cell: &cell, gradient: flow.gradient(), farthest: 1e9 };
+            assert!(moving.advance_remotely(frame, |name| name == VELOCITY, holder));
+        }
+        let shear = SolveInput::new(&loads, StrainRate::uniform(flow.strain_rate()));
+        let shear = SolveInput { keeps_columns: true, moving_in: Some(&flow), ..shear };
+        let solution = on_card.solve(&cell, moving, &shear, extrapolated(past.make_contiguous()))?;
+        let columns = solution.kept.ok_or("the card keeps no solutions")?.columns;
+        if let Some([velocities, _]) = &columns.moving {
+            moving.column(VELOCITY, 3).values = velocities.clone();
+        }
+        past.push_front(columns);
+        past.truncate(PARABOLA.len());
+        Ok(solution.iterations)
     }
 }
 

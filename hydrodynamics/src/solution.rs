@@ -7,6 +7,7 @@ use crate::squirming::Squirming;
 use domain::parallel::FusedLoops;
 use domain::{RemoteHolder, Traceless, Vector, remote_columns};
 use fcm::{GUESSED, Loads, Motion, PastSolutions, SolutionColumns};
+use solver::BackgroundFlow;
 
 /// Input of a solve: loads, ambient flow, implicit springs.
 pub struct SolveInput<'a> {
@@ -27,6 +28,10 @@ pub struct SolveInput<'a> {
     pub surface_forces: bool,
     /// Whether the columns of the solution may stay where the far field is evaluated, see [`Solution::kept`].
     pub keeps_columns: bool,
+    /// The background flow, if the particles move where the far field is evaluated, see
+    /// [`CoupledSolver::moves_particles`](crate::CoupledSolver::moves_particles): their motions stay there with the
+    /// other columns.
+    pub moving_in: Option<&'a BackgroundFlow>,
     /// Whether the flux between two walls is kept at its value without particles, by an additional flow along x.
     pub constant_flux: bool,
 }
@@ -43,6 +48,7 @@ impl<'a> SolveInput<'a> {
             squirming: None,
             surface_forces: false,
             keeps_columns: false,
+            moving_in: None,
             constant_flux: false,
         }
     }
@@ -71,7 +77,7 @@ pub struct Solution {
     /// Estimated error of the iteration, relative to the solution.
     pub residual: f64,
     /// Columns that stay where the far field is evaluated, if they do. Then the lists above are empty, except for
-    /// velocities and angular velocities.
+    /// velocities and angular velocities of particles that do not move there.
     pub kept: Option<Box<KeptSolution>>,
 }
 

@@ -184,8 +184,8 @@ fn by_name(py: Python<'_>, frame: Frame) -> PyResult<Bound<'_, PyDict>> {
     let Frame { particles, cell, .. } = frame;
     let lattice = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map(|steps| cell.lattice(steps));
     let items = PyDict::new(py);
-    items.set_item("positions", rows_of::<_, f64>(py, particles.positions)?)?;
-    items.set_item("images", rows_of::<_, i32>(py, particles.steps)?)?;
+    items.set_item("positions", rows_of::<_, f64>(py, particles.positions.into_vec())?)?;
+    items.set_item("images", rows_of::<_, i32>(py, particles.steps.into_vec())?)?;
     items.set_item("lattice", rows_of::<_, f64>(py, lattice.to_vec())?)?;
     items.set_item("radii", PyArray1::from_vec(py, particles.radii))?;
     items.set_item("species", PyArray1::from_vec(py, particles.species))?;

@@ -231,7 +231,7 @@ impl Suspension {
 
     /// Particles within a distance of each of this rank's particles. Collective.
     pub(crate) fn near(&self, distance: f64) -> NearParticles {
-        self.dynamics.forces().lists().near(&self.particles, self.dynamics.domain(), distance)
+        self.dynamics.forces().lists().near(self.particles(), self.dynamics.domain(), distance)
     }
 
     /// Description of the numerical method.
@@ -248,16 +248,18 @@ impl Suspension {
     /// State of the suspension, with the particles of this rank.
     pub fn state(&mut self) -> State {
         let plan = self.plan();
-        let (step, strain, mut particles) = (self.clock.step(), self.cell().strain(), self.particles().clone());
+        let (step, strain, mut particles) =
+            (self.clock.step(), self.cell().strain(), self.particles().clone().detached());
         scalars::save(&mut particles);
         State { step, strain, plan, particles, statistics: Vec::new() }
     }
 
     /// Velocities of this rank's particles relative to the background flow at their positions.
     pub fn velocities_in_flow(&self) -> Vec<Vector> {
-        let column = self.particles.columns.iter().find(|c| c.name == VELOCITY).expect("velocities were computed");
+        let particles = self.particles();
+        let column = particles.columns.iter().find(|c| c.name == VELOCITY).expect("velocities were computed");
         let velocities: &[Vector] = bytemuck::cast_slice(&column.values);
-        let (moving, particles) = (self.dynamics.periodic_cell(), &self.particles);
+        let moving = self.dynamics.periodic_cell();
         let (positions, radii) = (&particles.positions, &particles.radii);
         of_rows(velocities.len(), |row| velocities[row] - moving.velocity_of(positions[row], radii[row]))
     }
@@ -291,7 +293,7 @@ impl Suspension {
             residual: self.outcome.residual,
             evaluations: self.evaluations,
             divergence: self.dynamics.divergence(),
-            smallest_gap: self.dynamics.smallest_gap(&self.particles),
+            smallest_gap: self.dynamics.smallest_gap(self.particles()),
         }
     }
 

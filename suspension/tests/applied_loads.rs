@@ -138,10 +138,10 @@ fn runs_go_on_bit_for_bit() {
         let model = model_of(SCENE, &[way]);
         let mut whole = Suspension::start(&model, &Comm::alone()).unwrap();
         let places = whole.gathered(Some(&[])).positions;
-        whole.add_loads(springs(places.clone())).unwrap();
+        whole.add_loads(springs(places.to_vec())).unwrap();
         take_steps(&mut whole, 3);
         let mut resumed = Suspension::resume(&model, Some(whole.state()), &Comm::alone()).unwrap();
-        resumed.add_loads(springs(places)).unwrap();
+        resumed.add_loads(springs(places.into_vec())).unwrap();
         take_steps(&mut whole, 3);
         take_steps(&mut resumed, 3);
         assert_eq!(whole.state(), resumed.state(), "{way}");

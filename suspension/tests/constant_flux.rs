@@ -65,7 +65,7 @@ fn seen(suspension: &mut Suspension) -> Seen {
         velocities: all.vectors(VELOCITY).to_vec(),
         spins: all.vectors(ANGULAR_VELOCITY).to_vec(),
         stresslets: bytemuck::cast_slice(&all.column(STRESSLET, 5).values).to_vec(),
-        positions: all.positions.clone(),
+        positions: all.positions.to_vec(),
         radii: all.radii.clone(),
         walls: suspension.wall_stress(&total),
     }

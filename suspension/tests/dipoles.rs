@@ -181,7 +181,7 @@ fn state(keys: &[&str], ranks: usize) -> (Vec<Vector>, Vec<Vector>, [Tensor; 2])
         let stress = suspension.stress(2);
         let sum = |name: &str| stress.iter().fold(Tensor::ZERO, |sum, one| sum + one.of(name));
         let velocities = particles.vectors(VELOCITY).to_vec();
-        (particles.positions.clone(), velocities, ["magnetic", "electric"].map(sum))
+        (particles.positions.into_vec(), velocities, ["magnetic", "electric"].map(sum))
     })
 }
 

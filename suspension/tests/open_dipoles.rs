@@ -31,7 +31,7 @@ magnetic_moment = 30.0
 "#;
 
 fn positions(ranks: usize) -> Vec<Vector> {
-    ended(&model_of(CLUSTER, &[]), ranks, |suspension| suspension.gathered(None).positions.clone())
+    ended(&model_of(CLUSTER, &[]), ranks, |suspension| suspension.gathered(None).positions.into_vec())
 }
 
 #[test]

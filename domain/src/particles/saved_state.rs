@@ -1,7 +1,7 @@
 //! State of a particle store to which a step that fails returns.
 
 use super::Particles;
-use crate::column::{Column, ColumnValues};
+use crate::column::{Column, ColumnValues, ParticleValues};
 use crate::parallel::{FusedLoops, MeasuredLoop, of_rows};
 use crate::rows::{RowExchange, RowMove, Selection};
 use crate::{Comm, RemoteHolder, Scalars, Vector, remote_columns};
@@ -21,8 +21,15 @@ pub struct SavedState {
 pub(super) struct SavedRows {
     /// Rank and row.
     home: Vec<[u32; 2]>,
-    positions: Vec<Vector>,
-    steps: Vec<[i32; 3]>,
+    positions: ParticleValues<Vector>,
+    steps: ParticleValues<[i32; 3]>,
+}
+
+impl SavedState {
+    /// Positions and lattice steps.
+    pub(super) fn places(&self) -> (&ParticleValues<Vector>, &ParticleValues<[i32; 3]>) {
+        (&self.rows.positions, &self.rows.steps)
+    }
 }
 
 impl SavedRows {
@@ -30,15 +37,15 @@ impl SavedRows {
     pub fn arrange_in<'a>(&'a mut self, loops: &mut FusedLoops<'a>, from: &'a Self, order: &'a [usize]) {
         let Self { home, positions, steps } = self;
         loops.mapped(home, order, |&row| from.home[row]);
-        loops.mapped(positions, order, |&row| from.positions[row]);
-        loops.mapped(steps, order, |&row| from.steps[row]);
+        positions.arrange_in(loops, &from.positions, order);
+        steps.arrange_in(loops, &from.steps, order);
     }
 
     /// Moves the rows, one list after the other.
     pub fn move_by(&mut self, row_move: &impl RowMove) {
         self.home = row_move.of(&self.home, 1);
-        self.positions = row_move.of(&self.positions, 1);
-        self.steps = row_move.of(&self.steps, 1);
+        self.positions = self.positions.rearranged(|values| row_move.of(values, 1));
+        self.steps = self.steps.rearranged(|values| row_move.of(values, 1));
     }
 }
 
@@ -46,12 +53,8 @@ impl Particles {
     /// Saves the state, for [`Self::restore`]. It follows the particles until then or until [`Self::forget`].
     pub fn save(&mut self, comm: &Comm) {
         let (count, rank) = (self.len(), comm.rank() as u32);
-        let mut rows = SavedRows::default();
-        let mut loops = FusedLoops::default();
-        loops.of_rows(&mut rows.home, count, |row| [rank, row as u32]);
-        loops.copied(&mut rows.positions, &self.positions);
-        loops.copied(&mut rows.steps, &self.steps);
-        loops.run();
+        let home = of_rows(count, |row| [rank, row as u32]);
+        let rows = SavedRows { home, positions: self.positions.clone(), steps: self.steps.clone() };
         let (columns, scalars) = (self.columns.clone(), self.scalars.clone());
         self.saved = Some(Box::new(SavedState { rows, columns, scalars }));
     }
@@ -70,6 +73,7 @@ impl Particles {
         let SavedState { rows, columns, scalars } = *self.saved.take().expect("a saved state");
         let SavedRows { home, positions, steps } = rows;
         (self.positions, self.steps, self.columns, self.scalars) = (positions, steps, columns, scalars);
+        self.displacements.clear();
         let owners = of_rows(home.len(), |row| home[row][0] as usize);
         let exchange = RowExchange::plan(&owners, comm);
         let came: Vec<[u32; 2]> = exchange.of(&home, 1);
@@ -94,11 +98,13 @@ impl Particles {
         values.put_back(self);
     }
 
-    /// Copies the numbers of remote lists, those of the saved state among them, from the memory that holds them.
+    /// Copies the values of remote lists, those of the saved state among them, from the memory that holds them.
     pub fn fetch(&self, holder: &dyn RemoteHolder) {
         let saved = self.saved.iter().flat_map(|saved| &saved.columns);
-        let columns: Vec<_> = self.columns.iter().chain(saved).map(|column| (&column.values, column.width)).collect();
-        remote_columns::fetch(&self.ids, &columns, holder);
+        let columns = self.columns.iter().chain(saved).map(|column| (&column.values, column.width));
+        let terms = self.displacements.iter().map(|(values, _)| (values, 3));
+        remote_columns::fetch(&self.ids, &columns.chain(terms).collect::<Vec<_>>(), holder);
+        self.fetch_positions(holder);
     }
 
     /// Columns, followed by those of the saved state.

@@ -5,6 +5,7 @@ use crate::mobility::loads::Motion;
 use crate::mobility::past_solutions::PastSolutions;
 use domain::{ColumnValues, Comm, Particles, RemoteHolder, Units};
 use gpu::{GUESSED, NearInput, NearTables};
+use solver::BackgroundFlow;
 use std::rc::Rc;
 
 /// A far field that finds near pairs, assembles their resistance, and solves for motions and stresslets of rigid
@@ -66,6 +67,9 @@ pub struct CoupledProblem<'a> {
     pub background: [f64; 5],
     /// Solutions from which the iteration starts, in the original units.
     pub past: &'a PastSolutions,
+    /// The background flow in the original units, if the particles move where the far field is evaluated: then their
+    /// motions stay there.
+    pub moving_in: Option<BackgroundFlow>,
     /// Ranks, of which there is one.
     pub comm: &'a Comm,
     /// Limits of the iteration.
@@ -76,8 +80,11 @@ pub struct CoupledProblem<'a> {
 
 /// Solution of such a problem, in the original units.
 pub struct CoupledSolution {
-    /// Velocities and angular velocities relative to the background.
+    /// Velocities and angular velocities relative to the background; empty if the particles move where the far field is
+    /// evaluated.
     pub motion: Motion,
+    /// Whether all velocities are finite.
+    pub is_finite: bool,
     /// All columns of the solution, which stay where the far field is evaluated until they are fetched.
     pub columns: SolutionColumns,
     /// Comparison with the guess for each column of [`PastSolutions`]: with its numbers `x`, and those of the line `l`
@@ -100,4 +107,7 @@ pub struct SolutionColumns {
     pub stresslets: ColumnValues,
     /// Rates of strain besides that of the background.
     pub strain_rates: ColumnValues,
+    /// Velocities and angular velocities with those of the background, of particles that move where the far field is
+    /// evaluated.
+    pub moving: Option<[ColumnValues; 2]>,
 }

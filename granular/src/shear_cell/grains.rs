@@ -23,7 +23,7 @@ impl Grains {
         };
         let motions = vectors("velocity").into_iter().zip(vectors("angular_velocity"));
         let grains = Self {
-            positions: particles.positions.clone(),
+            positions: particles.positions.to_vec(),
             motions: motions.map(|(velocity, spin)| GrainMotion { velocity, spin }).collect(),
         };
         let radius = model.radius();

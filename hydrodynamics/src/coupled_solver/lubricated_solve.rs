@@ -17,6 +17,7 @@ use domain::{Comm, Interrupt, Interrupted, Particles, RemoteHolder, Traceless, U
 use fcm::{
     Iterate, IterationOutcome, Limits, Linear, Loads, Motion, Multipoles, Plan, SolveError, conjugate_gradients,
 };
+use solver::BackgroundFlow;
 
 /// [`crate::CoupledSolver::solve`] with near pairs or rigid bodies, in scaled units.
 pub(super) struct LubricatedSolve<'a> {
@@ -41,6 +42,8 @@ pub(super) struct SolveCase<'a> {
     pub(super) guess: Guess,
     /// Whether the columns of the solution may stay where the far field is evaluated.
     pub(super) keeps_columns: bool,
+    /// See [`crate::SolveInput::moving_in`].
+    pub(super) moving_in: Option<&'a BackgroundFlow>,
 }
 
 /// Single-sphere resistances, known loads, ambient motions and a guess, in scaled units.

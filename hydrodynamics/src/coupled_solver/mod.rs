@@ -173,12 +173,13 @@ impl CoupledSolver {
         let flux = constant_flux.then(|| self.flux(cell, particles, strain_rate));
         self.far.mobility().constrain(flux.as_ref().map(ConstantFlux::constraint));
         if self.near.is_some() || bodies.is_some() {
-            let (units, own) = (self.units, units::particles(particles, &self.units));
+            let units = self.units;
+            let own = self.in_units(particles, acting);
             let strain_rate = strain_rate.in_units(units.rate(), units.length);
             let bodies = bodies.map(|bodies| bodies.in_units(&units));
             let acting = SolveInput { strain_rate, bodies: bodies.as_ref(), ..*acting };
             let near = self.pairs_of_solve(cell, [particles, &own], &acting);
-            if bodies.is_some() || self.partition.comm().any(!near.is_empty()) {
+            if bodies.is_some() || acting.moving_in.is_some() || self.partition.comm().any(!near.is_empty()) {
                 let interrupt = self.far.interrupt().clone();
                 let added = if near.is_on_device() { None } else { self.with_surface_forces(cell, particles, &acting) };
                 let loads = added.as_ref().unwrap_or(loads);
@@ -199,23 +200,34 @@ impl CoupledSolver {
                     particles: &own,
                     strain_rate,
                 };
-                let case = SolveCase { loads, ambient, guess, keeps_columns: acting.keeps_columns };
-                let mut solved = solve.run(Scaled { mobility, units }, case)?;
-                if let Some(flux) = &flux {
-                    flux.complete(&mut solved, self.partition.comm());
-                }
-                return Ok(solved);
+                let SolveInput { keeps_columns, moving_in, .. } = acting;
+                let case = SolveCase { loads, ambient, guess, keeps_columns, moving_in };
+                let solved = solve.run(Scaled { mobility, units }, case)?;
+                return Ok(self.with_flux(solved, flux.as_ref()));
             }
         }
         let added = self.with_surface_forces(cell, particles, acting);
         let loads = added.as_ref().unwrap_or(loads);
         let Guess { stresslets_far: guess, .. } = &guess.listed(&particles.ids, self.holder.as_deref());
         let input = RigidInput { loads, ambient, background: strain_rate.at_zero, guess, quadrupoles };
-        let mut solved = self.solve_far(cell, particles, &input)?;
-        if let Some(flux) = &flux {
+        let solved = self.solve_far(cell, particles, &input)?;
+        Ok(self.with_flux(solved, flux.as_ref()))
+    }
+
+    /// A solution with the flow that keeps the flux, if there is one. Collective.
+    fn with_flux(&self, mut solved: Solution, flux: Option<&ConstantFlux>) -> Solution {
+        if let Some(flux) = flux {
             flux.complete(&mut solved, self.partition.comm());
         }
-        Ok(solved)
+        solved
+    }
+
+    /// Particles in scaled units, or as they are if they move where the far field is evaluated.
+    fn in_units<'a>(&self, particles: &'a Particles, acting: &SolveInput) -> Cow<'a, Particles> {
+        match acting.moving_in {
+            Some(_) => Cow::Borrowed(particles),
+            None => Cow::Owned(units::particles(particles, &self.units)),
+        }
     }
 
     /// Motions of particles without near pairs.

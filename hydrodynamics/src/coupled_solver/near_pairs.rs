@@ -1,13 +1,14 @@
 //! Near pairs of a solve.
 
+use crate::ambient::StrainRate;
 use crate::coupled_solver::{CoupledSolver, in_units};
 use crate::pairs::search::{Connections, NearField, NearPairs};
 use crate::solution::SolveInput;
 use crate::springs::Springs;
 use crate::system::SingleSpheres;
 use crate::units;
-use domain::{DomainView, Particles, PeriodicBox};
-use fcm::{NearInput, NearTables};
+use domain::{Boundaries, DomainView, Particles, PeriodicBox, RemoteHolder};
+use fcm::{Loads, NearInput, NearTables};
 
 impl CoupledSolver {
     /// Near pairs of particles in scaled units, in a box in the original units, with the strain rate and the bodies of
@@ -52,9 +53,13 @@ impl CoupledSolver {
         acting: &SolveInput,
     ) -> NearPairs {
         if !self.solves_on_device(acting) {
+            assert!(acting.moving_in.is_none(), "particles move where their near pairs are");
             return self.near_pairs(cell, own, acting);
         }
-        let mut near = self.pairs_of_host(cell, own, acting, true);
+        let mut near = match acting.moving_in {
+            Some(_) => NearPairs::elsewhere(particles.len(), cell, &self.partition),
+            None => self.pairs_of_host(cell, own, acting, true),
+        };
         let plan = self.far.mobility().plan();
         let (viscosity, radii) = (plan.viscosity / self.units.viscosity, in_units(&plan.radii, self.units.length));
         let tables = || near_tables(self.near.as_ref(), viscosity, &radii);
@@ -67,6 +72,17 @@ impl CoupledSolver {
             near.note_found(far.assemble(&tables, &input).iter().sum());
         }
         near
+    }
+
+    /// Whether free particles without springs can move where the far field is evaluated, in a periodic box.
+    pub fn moves_particles(&mut self) -> bool {
+        let is_periodic = self.far.mobility().plan().boundaries == Boundaries::Periodic;
+        is_periodic && self.solves_on_device(&SolveInput::new(&Loads::default(), StrainRate::default()))
+    }
+
+    /// The memory where particles can move.
+    pub fn holder(&self) -> Option<&dyn RemoteHolder> {
+        self.holder.as_deref()
     }
 
     /// Whether the back end of the far field solves for the motions of free spheres together with near pairs; the

@@ -5,7 +5,7 @@ use crate::coupled_solver::{CoupledSolver, END, START};
 use crate::six_vector::SixVector;
 use crate::solution::{KeptSolution, Solution};
 use crate::units::Scaled;
-use domain::parallel::{all_rows, of_rows};
+use domain::parallel::of_rows;
 use domain::{Particles, RemoteHolder, Units, remote_columns};
 use fcm::{CoupledProblem, CoupledSolution, CoupledTolerances, Limits, Loads, Motion, SolutionColumns, SolveError};
 
@@ -15,7 +15,7 @@ const SHARP: f64 = 1e-2;
 impl LubricatedSolve<'_> {
     /// The solve by the back end of the far field, where the near pairs are.
     pub(super) fn on_device(&self, scaled: Scaled, given: SolveCase, limits: Limits) -> Result<Solution, SolveError> {
-        let SolveCase { loads, ambient, guess, keeps_columns } = given;
+        let SolveCase { loads, ambient, guess, keeps_columns, moving_in } = given;
         let Scaled { mobility, units } = scaled;
         let far = mobility.coupled().expect("near pairs are where the far field solves with them");
         let solved = far.solve(&CoupledProblem {
@@ -25,6 +25,7 @@ impl LubricatedSolve<'_> {
             ambient: columns(ambient, &units, self.particles.len()),
             background: self.strain_rate.at_zero.0,
             past: &guess.solutions(),
+            moving_in: moving_in.copied(),
             comm: self.comm,
             limits,
             tolerances: CoupledTolerances {
@@ -33,9 +34,9 @@ impl LubricatedSolve<'_> {
                 end: END * limits.tolerance,
             },
         });
-        let CoupledSolution { motion, columns, compared, outcome } = solved;
+        let CoupledSolution { motion, is_finite, columns, compared, outcome } = solved;
         ended(&outcome, limits)?;
-        if !all_rows(motion.velocities.len(), |row| motion.velocities[row].is_finite()) {
+        if !is_finite {
             return Err(SolveError::NotFinite);
         }
         let (iterations, residual) = (outcome.iterations, outcome.residual);
@@ -78,7 +79,7 @@ fn columns(motion: &Motion, units: &Units, count: usize) -> Vec<f64> {
 /// A solution with lists of the numbers of its columns, for particles with these ids.
 fn with_lists(solution: Solution, ids: &[u64], holder: &dyn RemoteHolder) -> Solution {
     let Some(kept) = &solution.kept else { return solution };
-    let SolutionColumns { guessed, forces, torques, stresslets, strain_rates } = &kept.columns;
+    let SolutionColumns { guessed, forces, torques, stresslets, strain_rates, .. } = &kept.columns;
     let [far, induced, induced_rotation, ..] = guessed;
     let tensors = [far, stresslets, strain_rates];
     let vectors = [induced, induced_rotation, forces, torques];

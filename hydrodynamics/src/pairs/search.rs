@@ -164,6 +164,12 @@ impl NearPairs {
         }
     }
 
+    /// No near pairs but those that a device finds between a number of particles.
+    pub fn elsewhere(count: usize, cell: &PeriodicBox, partition: &Partition) -> Self {
+        let (loads, moments) = (SixVectors::zero(count), vec![Traceless::ZERO; count]);
+        Self { loads, moments, ..Self::none(&Particles::default(), cell, partition) }
+    }
+
     /// Notes the number of pairs, with these, that a device has found.
     pub fn note_found(&mut self, pairs: usize) {
         self.on_device = Some(pairs);

@@ -56,8 +56,8 @@ impl TrajectoryReader {
         let count = ids.len();
         let mut fixed = Particles {
             ids,
-            positions: vec![Vector::ZERO; count],
-            steps: vec![[0; 3]; count],
+            positions: vec![Vector::ZERO; count].into(),
+            steps: vec![[0; 3]; count].into(),
             radii: checksum::read(&group.dataset("radius")?)?,
             species: checksum::read(&group.dataset("species")?)?,
             ..Particles::default()

@@ -11,7 +11,7 @@ use simulation::Clock;
 
 /// Largest distance of a particle from the box at the end of a step, in edges: limited by the counting of periodic
 /// images.
-const FARTHEST: f64 = 1e9;
+pub(super) const FARTHEST: f64 = 1e9;
 
 /// Distance of a sphere's centre from a wall, in radii, below which the step is refused: at 0.8 the mobility of the
 /// envelopes is no longer positive.
@@ -64,6 +64,7 @@ impl Dynamics {
         if let SolveError::Interrupted(interrupted) = source {
             return interrupted.into();
         }
+        self.fetch(particles);
         let nothing = [[0.0]; 2];
         let gap = self.approach(particles, [VELOCITY]).after(nothing, [0.0; 2], self.partition.comm()).gap;
         if gap < 0.0 { StepError::Overlap { step, overlap: self.gap(-gap) } } else { StepError::Solve { step, source } }

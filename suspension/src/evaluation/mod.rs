@@ -13,6 +13,7 @@ pub mod overlap_monitor;
 pub mod prepared;
 mod queries;
 mod record;
+mod remote_motion;
 pub mod stage_time;
 mod stiffness_adaptation;
 pub mod stress;
@@ -161,8 +162,8 @@ impl Dynamics {
         &self.moving
     }
 
-    /// Makes velocities relative to the flow, for the time in which particles move. If the flow changes at this step,
-    /// discards the history and evaluates the velocities again. Collective.
+    /// Makes velocities relative to the flow, for the time in which particles move, where the far field is evaluated if
+    /// they can. If the flow changes at this step, discards the history and evaluates the velocities again. Collective.
     pub fn begin_step(&mut self, particles: &mut Particles, clock: &Clock) -> Result<(), StepError> {
         if self.moving.begin(clock.step()) {
             columns::clear_history(particles);
@@ -172,6 +173,7 @@ impl Dynamics {
         } else {
             self.add_background(particles, -1.0);
         }
+        self.move_to_far_field(particles);
         Ok(())
     }
 
@@ -328,9 +330,18 @@ impl Dynamics {
         let (bodies, squirming) = (self.bodies(particles), self.squirming(particles));
         let (springs, bodies, squirming) = (springs.as_ref(), bodies.as_ref(), squirming.as_ref());
         let surface_forces = self.forces.surfaces_are_solved();
-        let keeps_columns = true;
-        let acting =
-            SolveInput { springs, bodies, squirming, ambient, surface_forces, keeps_columns, constant_flux, ..input };
+        let moving_in = particles.are_remote().then_some(self.moving.flow());
+        let acting = SolveInput {
+            springs,
+            bodies,
+            squirming,
+            ambient,
+            surface_forces,
+            keeps_columns: true,
+            moving_in,
+            constant_flux,
+            ..input
+        };
         let solved = self.hydrodynamics.solve(self.moving.cell(), particles, &acting, guess);
         let solved = solved.map_err(|source| self.unsolved(source, particles, moment.clock.step()))?;
         if let Some(flux) = self.moving.flux() {
@@ -341,8 +352,12 @@ impl Dynamics {
 
     /// Wraps the particles into the box at an instant, and migrates them to their ranks. Collective.
     pub fn wrap_and_migrate(&mut self, particles: &mut Particles, moment: &StageTime) -> Result<(), StepError> {
+        let time = moment.clock.time_at(moment.fraction);
+        if self.wrap_remotely(particles, time) {
+            return Ok(());
+        }
         self.check_positions(particles, &moment.clock)?;
-        self.moving.advance_to(moment.clock.time_at(moment.fraction), particles);
+        self.moving.advance_to(time, particles);
         self.follow(particles, &moment.clock)?;
         particles.migrate(&self.partition, self.moving.cell());
         Ok(())

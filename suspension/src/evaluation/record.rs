@@ -11,6 +11,15 @@ impl Dynamics {
     /// include it unless they are relative to it while particles move.
     pub(super) fn record(&self, particles: &mut Particles, solved: &Solution) {
         let _stage = stage("record of the solution");
+        if let Some(columns) = solved.kept.as_ref().map(|kept| &kept.columns)
+            && let Some([velocities, angular_velocities]) = &columns.moving
+        {
+            particles.column(VELOCITY, 3).values = velocities.clone();
+            particles.column(ANGULAR_VELOCITY, 3).values = angular_velocities.clone();
+            particles.column(STRESSLET, 5).values = columns.stresslets.clone();
+            self.warm_start.record(particles, solved);
+            return;
+        }
         self.note_carried(particles, VELOCITY, &solved.motion.velocities);
         if self.rigid {
             let mut turned = self.with_rotation_of_flow(particles, &solved.motion.angular_velocities);

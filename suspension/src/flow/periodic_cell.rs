@@ -1,5 +1,9 @@
 //! The simulation box in time: static, sheared (Lees-Edwards), stretched (Kraynik-Reinelt), or open.
 
+mod remote;
+#[cfg(test)]
+mod tests;
+
 use crate::bodies;
 use crate::columns::are_velocities;
 use crate::flow::constant_flux::ConstantFluxState;
@@ -389,6 +393,3 @@ fn carry_by(deformation: Deformation, particles: &mut Particles) {
     }
     velocities(particles).for_each(carry);
 }
-
-#[cfg(test)]
-mod tests;

@@ -35,6 +35,11 @@ impl AppliedForces {
         Self { functions: Vec::new(), axes }
     }
 
+    /// Whether there are no functions.
+    pub fn is_empty(&self) -> bool {
+        self.functions.is_empty()
+    }
+
     /// Adds a function.
     pub fn add(&mut self, loads: UserLoads) {
         self.functions.push(loads);

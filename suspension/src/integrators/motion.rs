@@ -167,7 +167,7 @@ mod tests {
         particles.vectors(ARM).copy_from_slice(&[Vector::Z, -Vector::Z, Vector::ZERO]);
         let start = Quaternion::exp(Vector::new(0.3, -0.2, 1.0));
         orientations(&mut particles).copy_from_slice(&[start, start, Quaternion::NONE]);
-        particles.positions = bodies::arms(&mut particles);
+        particles.positions = bodies::arms(&mut particles).into();
         particles
     }
 

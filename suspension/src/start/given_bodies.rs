@@ -172,6 +172,6 @@ mod tests {
         let mut file = written(&mut particles, &model(random()));
         file.positions[8] += Vector::new(0.2, -0.3, 0.1);
         let bent = bodies::particles(&model(Start::Given), Some(file.clone())).unwrap();
-        assert_eq!(bent.positions, file.positions);
+        assert_eq!(*bent.positions, file.positions);
     }
 }

@@ -20,7 +20,7 @@ impl Suspension {
     /// and likewise along y, by the first moments of all loads on the fluid. On a single wall below unbounded fluid,
     /// only forces and the flow act. Collective.
     pub fn wall_stress(&self, stress: &Tensor) -> Vec<[f64; 2]> {
-        self.dynamics.wall_stress(&self.particles, stress)
+        self.dynamics.wall_stress(self.particles(), stress)
     }
 
     /// Pressure drop per length along x that keeps the mean velocity of a [`crate::Flow::ConstantFlux`], from the last
@@ -41,7 +41,7 @@ impl Suspension {
     /// Stress of the particles of each species. Collective.
     pub fn stress(&self, species: usize) -> Vec<ParticleStress> {
         let (volume, moments) = (self.cell().volume(), self.moments());
-        let active = self.dynamics.active_stresslets(&self.particles);
+        let active = self.dynamics.active_stresslets(self.particles());
         ParticleStress::by_species(self.particles(), moments, active.as_deref(), species, volume, &self.comm)
     }
 
@@ -55,7 +55,7 @@ impl Suspension {
 
     /// First moments of the forces of the model and of the user. Collective.
     fn moments(&self) -> [Vec<NamedMoments>; 2] {
-        self.dynamics.forces().moments(&self.particles, self.dynamics.domain(), self.clock.time())
+        self.dynamics.forces().moments(self.particles(), self.dynamics.domain(), self.clock.time())
     }
 
     /// Names of the contributions of the model's forces to the stress, and of those of the user's forces; functions of
@@ -69,7 +69,7 @@ impl Suspension {
 
     /// Whether user-defined forces contribute to the stress, by the last evaluation.
     pub fn has_applied_stress(&self) -> bool {
-        user::have_moments(&self.particles)
+        user::have_moments(self.particles())
     }
 
     /// Whether registered forces contribute to the stress.
@@ -91,17 +91,17 @@ impl Suspension {
 
     /// Energies of the bonds and number of broken ones; `None` without bonds. Collective.
     pub fn bond_totals(&self) -> Option<BondTotals> {
-        self.dynamics.bond_totals(&self.particles)
+        self.dynamics.bond_totals(self.particles())
     }
 
     /// Energy of the trapped spheres; `None` without traps. Collective.
     pub fn trap_energy(&self) -> Option<f64> {
-        self.dynamics.trap_energy(&self.particles)
+        self.dynamics.trap_energy(self.particles())
     }
 
     /// Forces of contacts and bonds, on the first rank; `None` without either. Collective.
     pub fn contact_forces(&self) -> Option<ContactForces> {
-        let own = self.dynamics.contact_forces(&self.particles)?;
+        let own = self.dynamics.contact_forces(self.particles())?;
         let mut list: Vec<_> = self.comm.gather(&own).iter().map(contact_force).collect();
         list.sort_unstable_by_key(|contact| (contact.ids, contact.state.number()));
         let lattice = self.cell().lattice_vectors();
@@ -110,6 +110,6 @@ impl Suspension {
 
     /// Averages and totals over contacts; `None` for spheres without contacts. Collective.
     fn contacts(&self) -> Option<ContactStatistics> {
-        self.dynamics.contact_statistics(&self.particles)
+        self.dynamics.contact_statistics(self.particles())
     }
 }

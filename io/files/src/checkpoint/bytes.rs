@@ -238,13 +238,12 @@ pub(super) fn dealt(whole: Option<VerifiedCheckpoint>, comm: &Comm) -> Result<(S
     let mut deal = ArrayDistribution { file: whole.map(|whole| whole.file), count, comm, failed: None };
     let mut particles = Particles {
         ids: deal.rows(1),
-        positions: deal.rows(1),
-        steps: deal.rows(1),
+        positions: deal.rows(1).into(),
+        steps: deal.rows(1).into(),
         radii: deal.rows(1),
         species: deal.rows(1),
-        columns: Vec::new(),
         scalars: of_bits(scalars),
-        saved: None,
+        ..Particles::default()
     };
     for (name, width) in columns {
         particles.columns.push(Column { name, width, values: deal.rows(width).into() });

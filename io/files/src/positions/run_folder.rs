@@ -57,7 +57,7 @@ fn of_state(state: State, scene: &Scene) -> Result<StartFile, String> {
     };
     let step = state.step;
     Ok(StartFile {
-        positions,
+        positions: positions.into_vec(),
         radii: Some(state.particles.radii),
         species: Some(recorded(state.particles.species, scene)),
         ids: Some(state.particles.ids),

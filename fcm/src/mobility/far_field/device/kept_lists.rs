@@ -3,8 +3,9 @@
 use super::succeeded;
 use super::vectors::SharedField;
 use crate::mobility::past_solutions::PastSolutions;
-use domain::{ColumnValues, RemoteHolder, RemoteList};
-use gpu::{COLUMN_WIDTHS, COLUMNS, DeviceList, PastLists};
+use domain::{ColumnValues, RemoteAdvance, RemoteDisplacement, RemoteHolder, RemoteList};
+use gpu::{COLUMN_WIDTHS, COLUMNS, DeviceList, DisplacementInput, MovingLists, PastLists};
+use solver::BackgroundFlow;
 use std::cell::RefCell;
 
 /// Lists of numbers of particles in the memory of a device, in the order of ids.
@@ -21,8 +22,28 @@ impl KeptLists {
 
     /// Columns of a solution for some particles, whose values are undefined, and what stands for them.
     pub fn solution(&self, particles: usize) -> ([DeviceList; COLUMNS], [ColumnValues; COLUMNS]) {
-        let lists = COLUMN_WIDTHS.map(|width| succeeded(self.field.borrow_mut().wide_list(width * particles)));
+        let lists = COLUMN_WIDTHS.map(|width| self.list(width * particles));
         (lists, lists.map(|list| ColumnValues::remote(self.keep(list))))
+    }
+
+    /// Velocities and angular velocities that a solution sets for particles that move at positions in a remote list, in
+    /// a flow.
+    pub fn moving(&self, positions: &RemoteList, flow: &BackgroundFlow) -> (MovingLists, [ColumnValues; 2]) {
+        let positions = self.held(positions);
+        let motions = [(); 2].map(|()| self.list(positions.count()));
+        let (gradient, spin) = (flow.gradient().transpose().to_cols_array(), flow.angular_velocity().to_array());
+        let lists = MovingLists { positions, motions, gradient, spin };
+        (lists, motions.map(|list| ColumnValues::remote(self.keep(list))))
+    }
+
+    /// A list of this many values, which are undefined.
+    fn list(&self, count: usize) -> DeviceList {
+        succeeded(self.field.borrow_mut().wide_list(count))
+    }
+
+    /// The list that something stands for.
+    pub fn held(&self, remote: &RemoteList) -> DeviceList {
+        self.find(remote).expect("a list is kept as long as something stands for it")
     }
 
     fn keep(&self, list: DeviceList) -> RemoteList {
@@ -65,9 +86,8 @@ impl KeptLists {
         for (row, &place) in values.chunks_exact(width.max(1)).zip(places) {
             by_place[width * place as usize..][..width].copy_from_slice(row);
         }
-        let mut field = self.field.borrow_mut();
-        let list = succeeded(field.wide_list(values.len()));
-        succeeded(field.fill(&list, &by_place));
+        let list = self.list(values.len());
+        succeeded(self.field.borrow_mut().fill(&list, &by_place));
         self.keep(list);
         list
     }
@@ -86,9 +106,38 @@ impl KeptLists {
 impl RemoteHolder for KeptLists {
     fn copies(&self, lists: &[&RemoteList]) -> Vec<Vec<f64>> {
         let of = |remote: &&RemoteList| {
-            let list = self.find(remote).expect("a list is kept as long as something stands for it");
+            let list = self.held(remote);
             succeeded(self.field.borrow_mut().values_of(&list))
         };
         lists.iter().map(of).collect()
+    }
+
+    fn hold(&self, values: &[f64]) -> RemoteList {
+        let list = self.list(values.len());
+        succeeded(self.field.borrow_mut().fill(&list, values));
+        self.keep(list)
+    }
+
+    fn advance(&self, displaced: &RemoteDisplacement) -> Option<RemoteAdvance> {
+        let &RemoteDisplacement { positions, steps, terms, velocities, gradient, cell, farthest } = displaced;
+        self.release_unused();
+        let moved = |remote: &RemoteList| {
+            let before = self.held(remote);
+            [before, self.list(before.count())]
+        };
+        let places = [positions, steps].map(moved);
+        let velocities: Vec<_> = velocities.iter().map(moved).collect();
+        let all_somewhere = succeeded(self.field.borrow_mut().displace(&DisplacementInput {
+            places,
+            terms: terms.iter().map(|(remote, weight)| (self.held(remote), *weight)).collect(),
+            velocities: velocities.clone(),
+            edges: cell.edges().to_array(),
+            strain: cell.strain(),
+            gradient: gradient.transpose().to_cols_array(),
+            farthest,
+        }));
+        let [positions, steps] = places.map(|[_, after]| self.keep(after));
+        let velocities = velocities.iter().map(|&[_, after]| self.keep(after)).collect();
+        all_somewhere.then_some(RemoteAdvance { positions, steps, velocities })
     }
 }

@@ -30,7 +30,7 @@ use coupled::SolutionLists;
 use domain::parallel::{equal, mapped};
 use domain::{Halo, Particles, Partition, PeriodicBox, RemoteHolder, Traceless, Units, Vector, remote_columns, sphere};
 use gpu::{
-    ColumnUnits, Cuda, Device, DeviceError, DeviceMotion, LoadFactors, NearInput, NearTables, PairDraw,
+    ColumnUnits, Cuda, Device, DeviceError, DeviceMotion, LoadFactors, MovedParticles, NearInput, NearTables, PairDraw,
     PlacedParticles, SplitFarField, SurfaceLaws,
 };
 use images::{HostImages, PlacedClasses};
@@ -39,7 +39,7 @@ use present::{PresentLoads, RankPeers, grid_share};
 use rigid::{ResidentProblem, ResidentSolution};
 use std::cell::RefCell;
 use std::rc::Rc;
-use tables::PlanTables;
+use tables::{GridFrame, PlanTables};
 use vectors::SharedField;
 
 /// Far field of a plan on a device, in internal units as those of [`GridFarField`].
@@ -154,6 +154,44 @@ impl DeviceFarField {
         self.plan.viscosity / self.units.viscosity
     }
 
+    /// Arranges particles whose positions are here, and those of other ranks near them, in a frame of a box in internal
+    /// units. Collective.
+    fn arrange_present(&mut self, frame: &GridFrame, own: &PeriodicBox, particles: &Particles) {
+        let inverse = 1.0 / self.units.length;
+        let mut positions = mapped(&particles.positions, |&x| x * inverse);
+        let mut classes = mapped(&particles.radii, |&a| self.plan.class_of(a));
+        let halo = Rc::new(present::halo(&self.plan, &self.units, &self.partition, own, &positions));
+        halo.extend(&mut positions);
+        halo.extend(&mut classes);
+        if !halo.is_alone() {
+            let peers = RankPeers { comm: self.partition.comm().clone(), halo: Rc::clone(&halo) };
+            self.split.borrow_mut().set_peers(Rc::new(peers));
+        }
+        let fractions = frame.all_fractions(&positions);
+        let placed = PlacedParticles { fractions: fractions.as_flattened(), classes: &classes, owned: halo.owned() };
+        succeeded(self.split.borrow_mut().arrange(&placed));
+        if let Some(images) = &mut self.images {
+            let present =
+                PlacedClasses { ids: &halo.extended(&particles.ids), positions: &positions, classes: &classes };
+            succeeded(self.split.borrow_mut().set_images(&images.of(own, present, halo.owned())));
+        }
+        self.halo = halo;
+    }
+
+    /// Arranges particles that have moved on the device.
+    fn arrange_moved(&mut self, particles: &Particles) {
+        let remote = particles.positions.remote_list().expect("positions are here or on the device");
+        let Particles { ids, radii, .. } = &self.particles;
+        let are_known = self.arranged.is_some() && equal(ids, &particles.ids) && equal(radii, &particles.radii);
+        let classes = (!are_known).then(|| mapped(&particles.radii, |&a| self.plan.class_of(a)));
+        let moved = MovedParticles {
+            positions: self.kept.held(remote),
+            classes: classes.as_deref(),
+            length: self.units.length,
+        };
+        succeeded(self.split.borrow_mut().arrange_moved(&moved));
+    }
+
     /// Largest load of a problem as a force, with those by which spheres resist the rates of strain.
     fn largest_of(&self, problem: &RigidProblem) -> f64 {
         let fastest = problem.strain_rates.iter().flat_map(|e| e.0).map(f64::abs).fold(0.0, f64::max);
@@ -201,27 +239,14 @@ impl FarField for DeviceFarField {
             succeeded(self.split.borrow_mut().set_box(&self.tables.in_box(&frame.lattice)));
             self.arranged = Some(frame.lattice);
         }
-        let mut positions = mapped(&particles.positions, |&x| x * inverse);
-        let mut classes = mapped(&particles.radii, |&a| self.plan.class_of(a));
-        let halo = Rc::new(present::halo(&self.plan, &self.units, &self.partition, &own, &positions));
-        halo.extend(&mut positions);
-        halo.extend(&mut classes);
-        if !halo.is_alone() {
-            let peers = RankPeers { comm: self.partition.comm().clone(), halo: Rc::clone(&halo) };
-            self.split.borrow_mut().set_peers(Rc::new(peers));
-        }
-        let fractions = frame.all_fractions(&positions);
-        let placed = PlacedParticles { fractions: fractions.as_flattened(), classes: &classes, owned: halo.owned() };
-        succeeded(self.split.borrow_mut().arrange(&placed));
-        if let Some(images) = &mut self.images {
-            let present =
-                PlacedClasses { ids: &halo.extended(&particles.ids), positions: &positions, classes: &classes };
-            succeeded(self.split.borrow_mut().set_images(&images.of(&own, present, halo.owned())));
-        }
-        self.halo = halo;
         if self.particles.ids != particles.ids {
             self.places = remote_columns::places_by_id(&particles.ids);
             succeeded(self.split.borrow_mut().set_places(&self.places));
+        }
+        if particles.positions.is_here() {
+            self.arrange_present(&frame, &own, particles);
+        } else {
+            self.arrange_moved(particles);
         }
         (self.cell, self.particles) = (*cell, particles.without_columns());
         if let Some((_, is_arranged)) = &mut self.host {
@@ -233,8 +258,13 @@ impl FarField for DeviceFarField {
 
     fn is_arranged(&self, cell: &PeriodicBox, particles: &Particles) -> bool {
         let Particles { positions, radii, .. } = &self.particles;
-        let is_like = self.arranged.is_some() && self.cell == *cell && positions.len() == particles.len();
-        is_like && equal(positions, &particles.positions) && equal(radii, &particles.radii)
+        if self.arranged.is_none() || self.cell != *cell || radii.len() != particles.len() {
+            return false;
+        }
+        let are_here = positions.is_here() && particles.positions.is_here();
+        let is_same =
+            positions.shares_memory_with(&particles.positions) || are_here && equal(positions, &particles.positions);
+        is_same && equal(radii, &particles.radii)
     }
 
     fn apply(&mut self, loads: &Loads, output: Output) -> Motion {
@@ -344,7 +374,8 @@ impl CoupledFarField for DeviceFarField {
             rate: own.rate() / given.rate(),
         };
         self.kept.release_unused();
-        let lists = SolutionLists { kept: &self.kept, places: &self.places, units };
+        let positions = self.particles.positions.remote_list();
+        let lists = SolutionLists { kept: &self.kept, places: &self.places, positions, units };
         let orders = self.tables.orders([true; 2], [true; 2]);
         let solution = coupled::solve(&self.split, problem, &lists, &factors, &orders);
         self.note_evaluations(1 + solution.outcome.iterations as u64, [true; 2]);

@@ -224,7 +224,7 @@ fn a_former_run_is_read_with_the_strain_of_its_box() {
     }
     drop(trajectory);
     let placed = read_start(&StartSource::last(folder.path())).unwrap();
-    assert_eq!(placed.positions, frame.particles.positions);
+    assert_eq!(placed.positions, *frame.particles.positions);
     assert_eq!((placed.radii, placed.species), (Some(vec![1.0, 2.0]), Some(SpeciesColumn::Indices(vec![0, 1]))));
     assert_eq!(placed.cell, Some(FileBox::of_cell(&cell(2))));
     assert_eq!(placed.frame, TakenFrame { number: 2, count: 3, step: Some(2), time: Some(0.1) });

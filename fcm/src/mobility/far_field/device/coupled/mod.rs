@@ -11,9 +11,9 @@ use super::vectors::{ResidentVector, SharedField};
 use crate::conjugate_gradients::{InnerProducts, Iterate, SteppedSystem, Turn, conjugate_gradients};
 use crate::mobility::coupled::{CoupledProblem, CoupledSolution, SolutionColumns};
 use crate::mobility::loads::Motion;
-use domain::{ColumnValues, Comm, Vector};
+use domain::{Comm, RemoteList, Vector};
 use gpu::{
-    COLUMNS, ColumnUnits, CoupledDirection, CoupledSums, CoupledVectors, GuessedVectors, KnownInput, LoadFactors,
+    ColumnUnits, CoupledDirection, CoupledSums, CoupledVectors, FoundLists, GuessedVectors, KnownInput, LoadFactors,
     Orders, PairSet, PairSolve, RESIDUALS, StartInput, StoredResult, UNKNOWNS,
 };
 use preconditioner::ResidentPreconditioner;
@@ -28,6 +28,8 @@ pub(super) struct SolutionLists<'a> {
     pub kept: &'a KeptLists,
     /// Place of each particle in them.
     pub places: &'a [u32],
+    /// Positions of particles that move on the device.
+    pub positions: Option<&'a RemoteList>,
     /// Units.
     pub units: ColumnUnits,
 }
@@ -68,21 +70,22 @@ pub(super) fn solve(
     let columns = system.start(problem, lists, [&x, &residual]);
     let iterate = Iterate { x: &mut x, residual: &mut residual, z: &mut z };
     let outcome = conjugate_gradients(problem.comm, &mut system, iterate, problem.limits);
-    let are_known = problem.past.are_known();
-    let StoredResult { motions, compared } = system.finish(problem, &system.vectors([&x, &residual, &z]), are_known);
-    let (velocities, angular_velocities) = motions.split_at(3 * count);
+    let at = system.vectors([&x, &residual, &z]);
+    let StoredResult { motions, square, compared } = system.finish(problem, &at, columns.moving.is_some());
+    let (velocities, angular_velocities) = motions.split_at(motions.len() / 2);
     let vectors = |list: &[f64]| list.as_chunks().0.iter().map(|&v| Vector::from_array(v)).collect();
     let motion = Motion {
         velocities: vectors(velocities),
         angular_velocities: vectors(angular_velocities),
         strain_rates: Vec::new(),
     };
-    let [stresslet, induced, induced_rotation, velocity, rotation, forces, torques, stresslets, strain_rates] = columns;
-    velocity.receive(velocities.to_vec());
-    rotation.receive(angular_velocities.to_vec());
-    let guessed = [stresslet, induced, induced_rotation, velocity, rotation];
-    let columns = SolutionColumns { guessed, forces, torques, stresslets, strain_rates };
-    CoupledSolution { motion, columns, compared: are_known.then_some(compared), outcome }
+    if columns.moving.is_none() {
+        let [_, _, _, velocity, rotation] = &columns.guessed;
+        velocity.receive(velocities.to_vec());
+        rotation.receive(angular_velocities.to_vec());
+    }
+    let compared = problem.past.are_known().then_some(compared);
+    CoupledSolution { motion, is_finite: square.is_finite(), columns, compared, outcome }
 }
 
 impl ResidentSystem<'_> {
@@ -93,14 +96,14 @@ impl ResidentSystem<'_> {
         problem: &CoupledProblem,
         lists: &SolutionLists,
         [x, residual]: [&ResidentVector; 2],
-    ) -> [ColumnValues; COLUMNS] {
+    ) -> SolutionColumns {
         let (field, count) = (&self.field, self.count);
         let [motions, near_loads] = [(); 2].map(|()| ResidentVector::wide(field, SIX * count));
         let moments = ResidentVector::wide(field, FIVE * count);
         let (of_motions, of_loads) = (motions.list, near_loads.list);
         let given = some_of(problem.loads).map(|values| ResidentVector::wide_of(field, values));
         let past = lists.kept.of(problem.past, lists.places);
-        let (found, columns) = lists.kept.solution(count);
+        let (found, columns) = found(problem, lists);
         let vectors = self.matrix.vectors();
         let guessed = GuessedVectors {
             known: self.known.list,
@@ -134,7 +137,7 @@ impl ResidentSystem<'_> {
     }
 
     /// Result after a last correction, the preconditioned residual, which is refined in the near field.
-    fn finish(&mut self, problem: &CoupledProblem, at: &CoupledVectors, is_compared: bool) -> StoredResult {
+    fn finish(&mut self, problem: &CoupledProblem, at: &CoupledVectors, are_moving: bool) -> StoredResult {
         let [.., of_x, of_z] = self.sums;
         let moments = some_of(problem.moments).map(|values| ResidentVector::wide_of(&self.field, values));
         let moments = moments.as_ref().map(|vector| vector.list);
@@ -142,8 +145,19 @@ impl ResidentSystem<'_> {
         if self.matrix.tighten_to(problem.tolerances.end * (of_x / of_z).sqrt()) {
             succeeded(field.refine_coupled(at, self.matrix.limits()));
         }
-        succeeded(field.store_coupled(at, &self.known.list, moments, is_compared))
+        succeeded(field.store_coupled(at, &self.known.list, moments, are_moving))
     }
+}
+
+/// Lists of a solution, whose values are undefined, and the columns that stand for them.
+fn found(problem: &CoupledProblem, lists: &SolutionLists) -> (FoundLists, SolutionColumns) {
+    let moving = problem.moving_in.as_ref().zip(lists.positions).map(|(flow, at)| lists.kept.moving(at, flow));
+    let (lists_of_motions, moving) = moving.unzip();
+    let (columns, values) = lists.kept.solution(lists.places.len());
+    let [stresslet, induced, induced_rotation, velocity, rotation, forces, torques, stresslets, strain_rates] = values;
+    let guessed = [stresslet, induced, induced_rotation, velocity, rotation];
+    let found = FoundLists { columns, moving: lists_of_motions };
+    (found, SolutionColumns { guessed, forces, torques, stresslets, strain_rates, moving })
 }
 
 /// A list that is not empty.

@@ -1,0 +1,124 @@
+//! Particles that move on a device, see `gpu/kernels/displace.h`.
+
+use crate::device::{DeviceError, KernelLaunch};
+use crate::far_field::{PARTICLE_THREADS, SplitFarField};
+use crate::lists::DeviceList;
+use crate::numbers::KernelNumbers;
+use crate::task::{DeviceAddress, KernelTask};
+use bytemuck::{Pod, Zeroable};
+use std::mem::offset_of;
+
+/// Columns of displacements and of velocities at most.
+pub const MOST_COLUMNS: usize = 8;
+
+/// Numbers of a particle that moves on the device, before and after a step that may fail: position and lattice steps,
+/// the velocity and up to three past ones, which change with the frame of reference, and the motion of a new solution
+/// beside the last angular velocity.
+pub(crate) const MOVING: usize = 2 * (3 + 3 + 4 * 3) + 6 + 3;
+
+/// A displacement of particles in a box: lists in the order of ids, and in the units of the host.
+#[derive(Debug, Clone)]
+pub struct DisplacementInput {
+    /// Positions, and lattice steps that were taken out of them; before and after.
+    pub places: [[DeviceList; 2]; 2],
+    /// Displacements and their weights.
+    pub terms: Vec<(DeviceList, f64)>,
+    /// Columns of velocities, before and after.
+    pub velocities: Vec<[DeviceList; 2]>,
+    /// Edges of the box.
+    pub edges: [f64; 3],
+    /// Strain of the box.
+    pub strain: f64,
+    /// Velocity gradient of the flow, row by row.
+    pub gradient: [f64; 9],
+    /// Distance from the box, in edges, from which on a particle is lost.
+    pub farthest: f64,
+}
+
+/// Particles that move on the device.
+#[derive(Debug, Clone, Copy)]
+pub struct MovedParticles<'a> {
+    /// Positions in the order of ids, in the units of the host.
+    pub positions: DeviceList,
+    /// Classes of radius, unless they are those of the particles that were arranged last.
+    pub classes: Option<&'a [u32]>,
+    /// Unit of length of the host over that of the far field.
+    pub length: f64,
+}
+
+/// Arguments with the fields of `gpu/kernels/displace.h` in the same order.
+#[derive(Debug, Clone, Copy, Default, Pod, Zeroable)]
+#[repr(C)]
+struct Displacement {
+    positions: DeviceAddress,
+    steps: DeviceAddress,
+    terms: [DeviceAddress; MOST_COLUMNS],
+    velocities: [DeviceAddress; MOST_COLUMNS],
+    moved: DeviceAddress,
+    counted: DeviceAddress,
+    carried: [DeviceAddress; MOST_COLUMNS],
+    weights: [f64; MOST_COLUMNS],
+    edges: [f64; 3],
+    strain: f64,
+    gradient: [f64; 9],
+    farthest: f64,
+    particles: i64,
+    is_lost: i64,
+}
+
+impl SplitFarField {
+    /// Moves particles and wraps them into their box. Returns whether all are within the box after that; otherwise the
+    /// lists afterwards are undefined.
+    ///
+    /// # Panics
+    ///
+    /// With more than [`MOST_COLUMNS`] displacements or columns of velocities.
+    pub fn displace(&mut self, from: &DisplacementInput) -> Result<bool, DeviceError> {
+        let [[positions, moved], [steps, counted]] = from.places.map(|pair| pair.map(|list| list.address));
+        let &DisplacementInput { edges, strain, gradient, farthest, .. } = from;
+        let mut arguments = Displacement {
+            positions,
+            steps,
+            moved,
+            counted,
+            edges,
+            strain,
+            gradient,
+            farthest,
+            particles: from.places[0][0].count as i64 / 3,
+            ..Displacement::default()
+        };
+        for (k, (list, weight)) in from.terms.iter().enumerate() {
+            (arguments.terms[k], arguments.weights[k]) = (list.address, *weight);
+        }
+        for (k, [before, after]) in from.velocities.iter().enumerate() {
+            (arguments.velocities[k], arguments.carried[k]) = (before.address, after.address);
+        }
+        let blocks = (arguments.particles as usize).div_ceil(PARTICLE_THREADS);
+        if blocks == 0 {
+            return Ok(true);
+        }
+        let on = self.device.as_mut();
+        let displacement = self.buffers.displacement.fill(on, bytemuck::bytes_of(&arguments))?;
+        let task = KernelTask { displacement, ..self.task };
+        on.launch(&KernelLaunch { kernel: "displace_all", blocks, threads: PARTICLE_THREADS }, &task)?;
+        let mut is_lost = 0_i64;
+        let place = displacement + offset_of!(Displacement, is_lost) as u64;
+        on.download(place, bytemuck::bytes_of_mut(&mut is_lost))?;
+        Ok(is_lost == 0)
+    }
+
+    /// [`Self::arrange`] of particles that move on the device, all of which are there.
+    pub fn arrange_moved(&mut self, particles: &MovedParticles) -> Result<(), DeviceError> {
+        let &MovedParticles { positions, classes, length } = particles;
+        if let Some(classes) = classes {
+            self.count_particles(classes.len(), classes.len());
+            self.copy_classes(classes)?;
+        }
+        self.set_numbers(&KernelNumbers { length, ..self.numbers })?;
+        self.reserve_particles()?;
+        let task = KernelTask { list_x: positions.address, ..self.task };
+        self.launch_particles("place_all", &task)?;
+        self.list_neighbours()
+    }
+}

@@ -1,0 +1,48 @@
+//! Motion of particles where the far field is evaluated.
+
+use super::Dynamics;
+use super::checks::FARTHEST;
+use crate::{bodies, rotation};
+use domain::Particles;
+
+impl Dynamics {
+    /// Moves particles to where the far field is evaluated, if nothing else needs their positions in each step: free
+    /// spheres without orientations in steps of a given length, whose forces are steady or added there. Between steps.
+    pub(super) fn move_to_far_field(&mut self, particles: &mut Particles) {
+        if particles.are_remote() || !self.moves_remotely(particles) {
+            return;
+        }
+        if let Some(holder) = self.hydrodynamics.holder() {
+            particles.move_to(holder);
+        }
+    }
+
+    /// Whether particles move where the far field is evaluated.
+    fn moves_remotely(&mut self, particles: &Particles) -> bool {
+        let is_explicit = !self.is_implicit && self.overlap_monitor.is_none();
+        let is_plain = self.rigid && self.swimmers.is_none() && self.following.is_none();
+        let are_free = !bodies::exist(particles) && !rotation::is_oriented(particles);
+        let are_placed_by_flow = self.moving.advects() || self.moving.total_poiseuille().is_some();
+        is_explicit
+            && is_plain
+            && are_free
+            && !are_placed_by_flow
+            && !self.forces.need_positions()
+            && self.hydrodynamics.moves_particles()
+    }
+
+    /// Wraps particles into the box at a time where they move. Returns whether they still do: particles that are lost,
+    /// or that need new lattice vectors, move here again.
+    pub(super) fn wrap_remotely(&mut self, particles: &mut Particles, time: f64) -> bool {
+        if !particles.are_remote() {
+            return false;
+        }
+        let stays = self.moves_remotely(particles);
+        let Some(holder) = self.hydrodynamics.holder() else { return false };
+        let is_wrapped = stays && self.moving.advance_remotely(time, particles, FARTHEST, holder);
+        if !is_wrapped {
+            particles.move_from(holder);
+        }
+        is_wrapped
+    }
+}
