@@ -36,7 +36,7 @@ const VELOCITY: &str = "velocity";
 const PARABOLA: [f64; 3] = [3.0, -3.0, 1.0];
 
 /// Steps of a run before the one that is counted: the past of its start, and some in which commands are recorded.
-const STEPS_BEFORE: usize = 6;
+const STEPS_BEFORE: usize = 9;
 
 /// Kernels by what they are for: the beginnings of their names.
 const GROUPS: [(&str, &[&str]); 9] = [
