@@ -15,8 +15,8 @@ TARGET = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
 
 @pytest.fixture(scope="session")
 def program():
-    """Runs `fcm-solve` with arguments and returns its output: that of `FCM_SOLVE`, or the release build, which is made if it is
-    missing."""
+    """Runs `fcm-solve` with arguments and returns its output: the program of `FCM_SOLVE`, or the release build, which is
+    made if it is missing."""
     path = Path(os.environ.get("FCM_SOLVE", TARGET / "release" / "fcm-solve"))
     if not path.exists():
         subprocess.run(["cargo", "build", "--quiet", "--release"], cwd=ROOT, check=True)
