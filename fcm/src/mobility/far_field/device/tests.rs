@@ -1,6 +1,7 @@
 //! The kernels, run by an emulator on the host, against the far field of the host.
 
 mod case;
+mod displacement;
 mod random_motions;
 mod ranks;
 
