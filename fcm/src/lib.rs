@@ -69,7 +69,9 @@ pub use envelope::{Envelope, Quadrupole};
 pub use gpu::{GUESSED, NearInput, NearKind, NearTables, PAST, PairRows, SurfaceKind, SurfaceLaws, SurfacePair};
 pub use grid::stencil::Support;
 pub use lanczos::{DrawDiagnostics, LanczosLimits, square_root_times};
-pub use mobility::coupled::{CoupledFarField, CoupledProblem, CoupledSolution, CoupledTolerances, SolutionColumns};
+pub use mobility::coupled::{
+    CoupledFarField, CoupledProblem, CoupledSolution, CoupledTolerances, GivenLoads, HeldLoads, SolutionColumns,
+};
 pub use mobility::loads::{Loads, Motion, Output};
 pub use mobility::memory::Footprint;
 pub use mobility::noise::Stream;

@@ -1,4 +1,4 @@
-//! Counts what a card does in a solve with lubrication and in a draw of random motions, by an emulator that runs its
+//! Counts what a card does in solves with and without lubrication and in a draw of random motions, by an emulator that runs its
 //! kernels: copies, launches, and the memory that kernels read and write. A sector of 32 bytes counts once in a run of
 //! a kernel; transforms pass over their data once for each axis.
 //!
@@ -27,6 +27,8 @@ const STEP: f64 = 0.005;
 struct CountedCase {
     spheres: usize,
     fraction: f64,
+    /// Whether near spheres are lubricated; others have a weight.
+    lubricated: bool,
 }
 
 /// Column of the velocities by which spheres move.
@@ -74,6 +76,11 @@ impl CountedCase {
         Ok((cell, particles))
     }
 
+    fn weight(&self) -> Loads {
+        let forces: Vec<Vector> = self.radii().iter().map(|a| -Vector::Z * a.powi(3)).collect();
+        Loads { forces: if self.lubricated { Vec::new() } else { forces }, ..Loads::default() }
+    }
+
     fn plan(&self, cell: &PeriodicBox) -> Result<Plan, Box<dyn Error>> {
         let (precision, method) = (Some(Precision::Single), Some(Method::Split));
         Ok(Plan::choose(&Problem {
@@ -88,7 +95,7 @@ impl CountedCase {
             viscosity: 1.0,
             multipoles: Multipoles::Dipole,
             rigid: true,
-            lubricated: true,
+            lubricated: self.lubricated,
             loading: Loading::Varied,
             tolerance: TOLERANCE,
             threads: 1,
@@ -104,7 +111,8 @@ impl CountedCase {
         let (cell, particles) = self.suspension()?;
         let plan = self.plan(&cell)?;
         let partition = Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]);
-        let short_range = ShortRange { lubrication: Some(LubricationRange::default()), springs: None };
+        let short_range =
+            ShortRange { lubrication: self.lubricated.then(LubricationRange::default), ..ShortRange::default() };
         let loads = Loads::default();
         let shear = SolveInput::new(&loads, StrainRate::uniform(Traceless([0.0, 0.5, 0.0, 0.0, 0.0])));
         let (device, counts) = counted()?;
@@ -114,7 +122,8 @@ impl CountedCase {
             println!("{title}");
             self.print(&since(before, &counts.borrow()));
         };
-        println!("{} spheres at {:.0}%, grid {:?} in f32", self.spheres, 100.0 * self.fraction, plan.grid);
+        let kind = if self.lubricated { "" } else { " under their weight, without lubrication," };
+        println!("{} spheres{kind} at {:.0}%, grid {:?} in f32", self.spheres, 100.0 * self.fraction, plan.grid);
         on_card.solve(&cell, &particles, &shear, Guess::default())?;
         let before = counts.borrow().clone();
         let solution = on_card.solve(&cell, &particles, &shear, Guess::default())?;
@@ -122,6 +131,7 @@ impl CountedCase {
         let mut moving = particles.clone();
         let mut past = VecDeque::new();
         moving.move_to(on_card.holder().ok_or("the card moves no particles")?);
+        on_card.hold_loads(&self.weight(), &moving);
         let mut before = DeviceCounts::default();
         let mut iterations = 0;
         for step in 0..=STEPS_BEFORE {
@@ -238,6 +248,8 @@ impl CountedCase {
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    CountedCase { spheres: 128, fraction: 0.4 }.count()?;
-    CountedCase { spheres: 500, fraction: 0.2 }.count()
+    let cases = [(128, 0.4, true), (500, 0.2, true), (500, 0.2, false)];
+    cases
+        .into_iter()
+        .try_for_each(|(spheres, fraction, lubricated)| CountedCase { spheres, fraction, lubricated }.count())
 }

@@ -59,7 +59,8 @@ pub fn solve_bytes(far: &Footprint, expected: &ExpectedCounts, range: Lubricatio
 }
 
 /// Memory that a solve takes of a card, with lubrication at the gaps of a range if there is one, and a draw of random
-/// motions by square roots in a basis of some vectors; none if the plan is for the host. Collective.
+/// motions by square roots in a basis of some vectors; none if the plan is for the host. Without lubrication the
+/// iteration has the same vectors, and no pairs. Collective.
 pub fn card(
     far: &Footprint,
     expected: &ExpectedCounts,
@@ -71,7 +72,7 @@ pub fn card(
         tables: PairForce::series_bytes(far.radii(), range, STIFF),
         ..pair_counts(expected, range)
     };
-    far.card(range.map(near), random_vectors, ranks)
+    far.card(range.map_or_else(NearPairCounts::default, near), random_vectors, ranks)
 }
 
 /// Mean numbers of near pairs of a particle.

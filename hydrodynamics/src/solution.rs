@@ -30,7 +30,8 @@ pub struct SolveInput<'a> {
     pub keeps_columns: bool,
     /// The background flow, if the particles move where the far field is evaluated, see
     /// [`CoupledSolver::moves_particles`](crate::CoupledSolver::moves_particles): their motions stay there with the
-    /// other columns.
+    /// other columns, and the loads are those of [`CoupledSolver::hold_loads`](crate::CoupledSolver::hold_loads), if
+    /// there are some.
     pub moving_in: Option<&'a BackgroundFlow>,
     /// Whether the flux between two walls is kept at its value without particles, by an additional flow along x.
     pub constant_flux: bool,

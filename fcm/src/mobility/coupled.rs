@@ -3,7 +3,7 @@
 use crate::conjugate_gradients::{IterationOutcome, Limits};
 use crate::mobility::loads::Motion;
 use crate::mobility::past_solutions::PastSolutions;
-use domain::{ColumnValues, Comm, Particles, RemoteHolder, Units};
+use domain::{ColumnValues, Comm, Particles, RemoteHolder, RemoteList, Units};
 use gpu::{GUESSED, NearInput, NearTables};
 use solver::BackgroundFlow;
 use std::rc::Rc;
@@ -44,6 +44,49 @@ pub struct CoupledTolerances {
     pub end: f64,
 }
 
+/// Given forces and torques of a problem, six numbers a particle.
+#[derive(Clone, Copy)]
+pub enum GivenLoads<'a> {
+    /// Numbers; empty if there are no loads.
+    Here(&'a [f64]),
+    /// Numbers where the far field is evaluated.
+    Held(&'a HeldLoads),
+}
+
+/// Forces and torques in the memory where the far field is evaluated.
+pub struct HeldLoads {
+    /// The numbers, if there are any.
+    list: Option<RemoteList>,
+    /// Largest magnitude of a number.
+    largest: f64,
+}
+
+impl HeldLoads {
+    /// Copies loads to a memory, six numbers a particle in the order of ids; empty if there are none.
+    pub fn new(loads: &[f64], holder: &dyn RemoteHolder) -> Self {
+        Self { list: (!loads.is_empty()).then(|| holder.hold(loads)), largest: largest(loads) }
+    }
+
+    /// The numbers, if there are any.
+    pub(crate) fn list(&self) -> Option<&RemoteList> {
+        self.list.as_ref()
+    }
+}
+
+impl GivenLoads<'_> {
+    /// Largest magnitude of a number.
+    pub(crate) fn largest(&self) -> f64 {
+        match self {
+            Self::Here(loads) => largest(loads),
+            Self::Held(held) => held.largest,
+        }
+    }
+}
+
+fn largest(numbers: &[f64]) -> f64 {
+    numbers.iter().fold(0.0, |largest, number| largest.max(number.abs()))
+}
+
 /// The system of near pairs and far field
 ///
 /// ```text
@@ -55,9 +98,8 @@ pub struct CoupledTolerances {
 pub struct CoupledProblem<'a> {
     /// Units of length and viscosity of all numbers; the unit of force is 1.
     pub units: Units,
-    /// Forces and torques, six numbers a particle, besides those of near pairs that the far field has found in the
-    /// background; empty if there are none.
-    pub loads: &'a [f64],
+    /// Loads besides those of near pairs that the far field has found in the background.
+    pub loads: GivenLoads<'a>,
     /// First moments of other near pairs in the background, five numbers a particle; empty if there are none.
     pub moments: &'a [f64],
     /// Ambient velocities and angular velocities of all particles, six numbers each, then their rates of strain, five
@@ -88,7 +130,8 @@ pub struct CoupledSolution {
     /// All columns of the solution, which stay where the far field is evaluated until they are fetched.
     pub columns: SolutionColumns,
     /// Comparison with the guess for each column of [`PastSolutions`]: with its numbers `x`, and those of the line `l`
-    /// and the parabola `p`, the sums of `(x - l) (p - l)` and of `(p - l)^2`. `None` without past solutions.
+    /// and the parabola `p`, the sums of `(x - l) (p - l)` and of `(p - l)^2`, 0 for a column without values. `None`
+    /// without past solutions.
     pub compared: Option<[[f64; 2]; GUESSED]>,
     /// Result of the iteration.
     pub outcome: IterationOutcome,

@@ -55,11 +55,12 @@ impl<'a> Footprint<'a> {
         grid.then(arrangement).then(stencils).then(self.neighbours()).then(images)
     }
 
-    /// Memory that a solve takes of a card, with near pairs if there are any, if the plan is for one, and a draw of
-    /// random motions by square roots in a basis of some vectors. Several ranks have both on the host. Collective.
+    /// Memory that a solve takes of a card, if the plan is for one, with near pairs and, for spheres with stresslets,
+    /// the vectors of the iteration, and a draw of random motions by square roots in a basis of some vectors. Several
+    /// ranks have both on the host. Collective.
     pub fn card(
         &self,
-        near: Option<NearPairCounts>,
+        near: NearPairCounts,
         random_vectors: f64,
         ranks: CardRanks,
     ) -> Result<Option<CardMemory>, PlanError> {
@@ -69,7 +70,8 @@ impl<'a> Footprint<'a> {
         let neighbours = self.expected.neighbours(self.plan.cutoff());
         let (owned, ranks_with_card) = (self.expected.owned(), self.place.table()[1]);
         let counts = CardCounts { owned, present: self.present(), ranks: ranks_with_card };
-        let near = near.filter(|_| ranks_with_card == 1).map_or(0.0, |pairs| self.plan.near_bytes(owned, pairs));
+        let iterates = ranks_with_card == 1 && self.plan.multipoles == Multipoles::Dipole;
+        let near = if iterates { self.plan.near_bytes(owned, near) } else { 0.0 };
         let size = EvaluationSize { random_vectors, ..self.plan.size_on_card(counts, neighbours) };
         CardMemory::of(size.bytes().total() + near, ranks).map(Some)
     }

@@ -57,7 +57,7 @@ pub(crate) struct CardCounts {
 }
 
 /// Mean numbers of near pairs of a particle, and the tables of their lubrication.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct NearPairCounts {
     /// Stiff pairs.
     pub stiff: f64,

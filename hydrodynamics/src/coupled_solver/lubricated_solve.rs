@@ -15,7 +15,8 @@ use crate::unknowns::Unknowns;
 use domain::parallel::{FusedLoops, all_rows};
 use domain::{Comm, Interrupt, Interrupted, Particles, RemoteHolder, Traceless, Units, Vector};
 use fcm::{
-    Iterate, IterationOutcome, Limits, Linear, Loads, Motion, Multipoles, Plan, SolveError, conjugate_gradients,
+    HeldLoads, Iterate, IterationOutcome, Limits, Linear, Loads, Motion, Multipoles, Plan, SolveError,
+    conjugate_gradients,
 };
 use solver::BackgroundFlow;
 
@@ -38,6 +39,8 @@ pub(super) struct LubricatedSolve<'a> {
 /// Loads on the particles, ambient motions and the guess of a solution, in the original units.
 pub(super) struct SolveCase<'a> {
     pub(super) loads: &'a Loads,
+    /// Loads in place of these that are where the far field is evaluated.
+    pub(super) held: Option<&'a HeldLoads>,
     pub(super) ambient: &'a Motion,
     pub(super) guess: Guess,
     /// Whether the columns of the solution may stay where the far field is evaluated.

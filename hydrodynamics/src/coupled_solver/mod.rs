@@ -23,7 +23,8 @@ use constant_flux::ConstantFlux;
 use domain::parallel::{FusedLoops, change, mapped, stage};
 use domain::{Interrupt, Particles, Partition, PeriodicBox, RemoteHolder, Units};
 use fcm::{
-    DrawDiagnostics, Loads, Mobility, Motion, Plan, RigidInput, SolveError, Stream, StressletSolver, SurfaceLaws,
+    DrawDiagnostics, HeldLoads, Loads, Mobility, Motion, Plan, RigidInput, SolveError, Stream, StressletSolver,
+    SurfaceLaws,
 };
 use lubricated_solve::{LubricatedSolve, SolveCase};
 use lubrication::{LubricationRange, PairForce, PairForceError, WallForce};
@@ -41,6 +42,8 @@ pub struct CoupledSolver {
     surface_laws: Option<SurfaceLaws>,
     /// The memory where the far field is evaluated, if it holds columns of solutions.
     holder: Option<Rc<dyn RemoteHolder>>,
+    /// Steady loads on particles that move there.
+    held_loads: Option<HeldLoads>,
     units: Units,
     preconditioned: bool,
     partition: Partition,
@@ -95,7 +98,7 @@ impl CoupledSolver {
             NearField { lubrication, at_walls, lists, precision: plan.precision, radii }
         });
         let (partition, holder) = (partition.clone(), holder(&mut far));
-        Ok(Self { far, near, surface_laws: None, holder, units, preconditioned: true, partition })
+        Ok(Self { far, near, surface_laws: None, holder, held_loads: None, units, preconditioned: true, partition })
     }
 
     /// Switches the preconditioner of the solve with lubrication on (the default) or off, for comparison.
@@ -128,7 +131,7 @@ impl CoupledSolver {
     /// Continues with another far field of the same plan, such as one on a device. Columns of solutions that the one
     /// before holds must have been fetched.
     pub fn set_far_field(&mut self, mut far: StressletSolver) {
-        self.holder = holder(&mut far);
+        (self.holder, self.held_loads) = (holder(&mut far), None);
         let interrupt = std::mem::replace(&mut self.far, far).interrupt().clone();
         self.far.listen(interrupt);
     }
@@ -172,14 +175,14 @@ impl CoupledSolver {
         let ambient = sloping.as_ref().unwrap_or(ambient);
         let flux = constant_flux.then(|| self.flux(cell, particles, strain_rate));
         self.far.mobility().constrain(flux.as_ref().map(ConstantFlux::constraint));
-        if self.near.is_some() || bodies.is_some() {
+        if self.near.is_some() || bodies.is_some() || acting.keeps_columns && self.solves_on_device(acting) {
             let units = self.units;
             let own = self.in_units(particles, acting);
             let strain_rate = strain_rate.in_units(units.rate(), units.length);
             let bodies = bodies.map(|bodies| bodies.in_units(&units));
             let acting = SolveInput { strain_rate, bodies: bodies.as_ref(), ..*acting };
             let near = self.pairs_of_solve(cell, [particles, &own], &acting);
-            if bodies.is_some() || acting.moving_in.is_some() || self.partition.comm().any(!near.is_empty()) {
+            if bodies.is_some() || near.is_on_device() || self.partition.comm().any(!near.is_empty()) {
                 let interrupt = self.far.interrupt().clone();
                 let added = if near.is_on_device() { None } else { self.with_surface_forces(cell, particles, &acting) };
                 let loads = added.as_ref().unwrap_or(loads);
@@ -201,7 +204,8 @@ impl CoupledSolver {
                     strain_rate,
                 };
                 let SolveInput { keeps_columns, moving_in, .. } = acting;
-                let case = SolveCase { loads, ambient, guess, keeps_columns, moving_in };
+                let held = self.held_loads.as_ref().filter(|_| moving_in.is_some());
+                let case = SolveCase { loads, held, ambient, guess, keeps_columns, moving_in };
                 let solved = solve.run(Scaled { mobility, units }, case)?;
                 return Ok(self.with_flux(solved, flux.as_ref()));
             }

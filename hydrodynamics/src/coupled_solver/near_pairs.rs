@@ -85,12 +85,12 @@ impl CoupledSolver {
         self.holder.as_deref()
     }
 
-    /// Whether the back end of the far field solves for the motions of free spheres together with near pairs; the
-    /// lubrication at walls is on the host.
-    fn solves_on_device(&mut self, acting: &SolveInput) -> bool {
+    /// Whether the back end of the far field solves for the motions of free spheres, together with near pairs if there
+    /// are some; the lubrication at walls is on the host.
+    pub(super) fn solves_on_device(&mut self, acting: &SolveInput) -> bool {
         let is_free = acting.bodies.is_none() && acting.squirming.is_none() && acting.strain_rate.is_uniform();
-        let is_between_pairs = self.near.as_ref().is_some_and(|near| near.at_walls.is_none());
-        is_free && self.preconditioned && is_between_pairs && self.far.mobility().coupled().is_some()
+        let are_at_walls = self.near.as_ref().is_some_and(|near| near.at_walls.is_some());
+        is_free && self.preconditioned && !are_at_walls && self.far.mobility().coupled().is_some()
     }
 }
 

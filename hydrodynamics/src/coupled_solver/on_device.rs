@@ -7,7 +7,10 @@ use crate::solution::{KeptSolution, Solution};
 use crate::units::Scaled;
 use domain::parallel::of_rows;
 use domain::{Particles, RemoteHolder, Units, remote_columns};
-use fcm::{CoupledProblem, CoupledSolution, CoupledTolerances, Limits, Loads, Motion, SolutionColumns, SolveError};
+use fcm::{
+    CoupledProblem, CoupledSolution, CoupledTolerances, GivenLoads, HeldLoads, Limits, Loads, Motion, SolutionColumns,
+    SolveError,
+};
 
 /// Relative error of the preconditioner's inner solves: a device, whose steps are few, takes them four at a time.
 const SHARP: f64 = 1e-2;
@@ -15,12 +18,13 @@ const SHARP: f64 = 1e-2;
 impl LubricatedSolve<'_> {
     /// The solve by the back end of the far field, where the near pairs are.
     pub(super) fn on_device(&self, scaled: Scaled, given: SolveCase, limits: Limits) -> Result<Solution, SolveError> {
-        let SolveCase { loads, ambient, guess, keeps_columns, moving_in } = given;
+        let SolveCase { loads, held, ambient, guess, keeps_columns, moving_in } = given;
         let Scaled { mobility, units } = scaled;
         let far = mobility.coupled().expect("near pairs are where the far field solves with them");
+        let loads_here = if held.is_some() { Vec::new() } else { self.other_loads(loads, &units) };
         let solved = far.solve(&CoupledProblem {
             units,
-            loads: &self.other_loads(loads, &units),
+            loads: held.map_or(GivenLoads::Here(&loads_here), GivenLoads::Held),
             moments: self.other_moments(),
             ambient: columns(ambient, &units, self.particles.len()),
             background: self.strain_rate.at_zero.0,
@@ -51,15 +55,20 @@ impl LubricatedSolve<'_> {
         if forces.is_empty() && torques.is_empty() && !self.near.has_own() {
             return Vec::new();
         }
-        let (in_flow, torque) = (&self.near.ambient_loads().0, 1.0 / units.torque());
-        let load = |row: usize| SixVector::of_row(row, forces, torques).times(1.0, torque) + in_flow[row];
-        of_rows(in_flow.len(), |row| load(row).0).into_flattened()
+        let (in_flow, given) = (&self.near.ambient_loads().0, numbers_of(loads, units));
+        of_rows(in_flow.len(), |row| (given(row) + in_flow[row]).0).into_flattened()
     }
 
     /// First moments of other near pairs in the background, five numbers a particle; empty without any.
     fn other_moments(&self) -> &[f64] {
         if self.near.has_own() { bytemuck::cast_slice(self.near.ambient_moments()) } else { &[] }
     }
+}
+
+/// Force and torque on a particle in scaled units.
+fn numbers_of<'a>(loads: &'a Loads, units: &Units) -> impl Fn(usize) -> SixVector + Sync + 'a {
+    let torque = 1.0 / units.torque();
+    move |row| SixVector::of_row(row, &loads.forces, &loads.torques).times(1.0, torque)
 }
 
 /// Motions as numbers in scaled units, those with rates of strain last; empty if there are none.
@@ -98,6 +107,20 @@ fn with_lists(solution: Solution, ids: &[u64], holder: &dyn RemoteHolder) -> Sol
 }
 
 impl CoupledSolver {
+    /// Copies steady loads to where the far field is evaluated, on some particles that move there: they act in all
+    /// solves with [`SolveInput::moving_in`](crate::SolveInput::moving_in), in place of loads that are given.
+    pub fn hold_loads(&mut self, loads: &Loads, particles: &Particles) {
+        let Some(holder) = &self.holder else { return };
+        let are_none = loads.forces.is_empty() && loads.torques.is_empty();
+        let (count, given) = (if are_none { 0 } else { particles.len() }, numbers_of(loads, &self.units));
+        self.held_loads = Some(HeldLoads::new(of_rows(count, |row| given(row).0).as_flattened(), &**holder));
+    }
+
+    /// Whether steady loads are where the far field is evaluated.
+    pub fn holds_loads(&self) -> bool {
+        self.held_loads.is_some()
+    }
+
     /// A solution of particles with all lists, which are brought from where the far field is evaluated.
     pub fn with_lists(&self, solution: Solution, particles: &Particles) -> Solution {
         match &self.holder {

@@ -13,6 +13,7 @@ pub mod overlap_monitor;
 pub mod prepared;
 mod queries;
 mod record;
+mod relative;
 mod remote_motion;
 pub mod stage_time;
 mod stiffness_adaptation;
@@ -23,8 +24,7 @@ mod swimming;
 mod tethered;
 pub mod velocity_field;
 
-use crate::bodies;
-use crate::columns::{self, EXPECTED, VELOCITY};
+use crate::columns::{self, EXPECTED};
 use crate::error::{StartError, step::StepError};
 use crate::evaluation::gap_control::watched_range;
 use crate::evaluation::initial_guess::WarmStart;
@@ -40,8 +40,8 @@ use crate::model::box_axes::UserAxes;
 use crate::model::{Integrator, Model, MultipoleOrder};
 use crate::neighbourhood::PairsWithHalo;
 use crate::swimmers::Swimmers;
-use domain::parallel::{change_rows, copied, stage};
-use domain::{DomainView, Interrupt, Interrupted, Particles, Partition, Vector};
+use domain::parallel::stage;
+use domain::{DomainView, Interrupt, Interrupted, Particles, Partition};
 use fcm::{GUESSED, Motion};
 use following::Following;
 use given_motions::GivenMotions;
@@ -285,7 +285,8 @@ impl Dynamics {
         self.forces.solved(particles, &solved, moment.clock.step())
     }
 
-    /// Loads, implicit resistances and ambient motions by all forces, with the near pairs. Collective.
+    /// Loads, implicit resistances and ambient motions by all forces, with the near pairs. Particles that move where the
+    /// far field is evaluated have only loads that are there. Collective.
     fn acting(
         &mut self,
         particles: &mut Particles,
@@ -295,6 +296,9 @@ impl Dynamics {
         previous: &Motion,
     ) -> Result<Acting, StepError> {
         let _stage = stage("forces");
+        if particles.are_remote() && self.hydrodynamics.holds_loads() {
+            return Ok(Acting::default());
+        }
         if self.forces.have_registered() {
             self.fetch(particles);
         }
@@ -361,38 +365,5 @@ impl Dynamics {
         self.follow(particles, &moment.clock)?;
         particles.migrate(&self.partition, self.moving.cell());
         Ok(())
-    }
-
-    /// A column of velocities minus the background flow, as far as the column contains it.
-    fn relative(&self, particles: &mut Particles, name: &str) -> Vec<Vector> {
-        let mut velocities = copied(particles.vectors(name));
-        let (moving, positions, radii) = (&self.moving, &particles.positions, &particles.radii);
-        change_rows(&mut velocities, |row, v| *v -= moving.carried_velocity_of(positions[row], radii[row]));
-        velocities
-    }
-
-    /// Predicted angular velocities relative to the background flow, and without those of swimmers by themselves; empty
-    /// without bonds that resist bending.
-    fn relative_rotation(&self, particles: &mut Particles) -> Vec<Vector> {
-        if !self.forces.have_beams() {
-            return Vec::new();
-        }
-        let expected = columns::angular(EXPECTED);
-        let mut own = self.with_rotation_of_flow(particles, &vec![Vector::ZERO; particles.len()]);
-        self.add_own_rotation(particles, &mut own);
-        particles.vectors(expected).iter().zip(own).map(|(&expected, own)| expected - own).collect()
-    }
-
-    /// Adds `times` the flow relative to which velocities are given while particles move.
-    fn add_background(&self, particles: &mut Particles, times: f64) {
-        if self.moving.advects() {
-            let flow = self.flow();
-            let mut velocities = std::mem::take(&mut particles.column(VELOCITY, 3).values);
-            let positions = &particles.positions;
-            let vectors: &mut [Vector] = bytemuck::cast_slice_mut(&mut velocities);
-            change_rows(vectors, |row, v| *v += flow.velocity(positions[row]) * times);
-            particles.column(VELOCITY, 3).values = velocities;
-            bodies::add_at_centres(particles, |x| flow.velocity(x) * times);
-        }
     }
 }

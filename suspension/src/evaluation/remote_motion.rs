@@ -14,6 +14,7 @@ impl Dynamics {
         }
         if let Some(holder) = self.hydrodynamics.holder() {
             particles.move_to(holder);
+            self.hydrodynamics.hold_loads(&self.forces.steady_loads(particles), particles);
         }
     }
 

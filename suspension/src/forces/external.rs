@@ -23,8 +23,7 @@ impl Force for ExternalForces {
     }
 
     fn add_present_loads(&self, at: &Configuration, loads: &mut Loads) {
-        add(&mut loads.forces, self.forces(at.particles));
-        add(&mut loads.torques, self.torques(at.particles));
+        self.add_steady_loads(at.particles, loads);
     }
 }
 
@@ -41,6 +40,12 @@ impl ExternalForces {
     /// The forces of a model.
     pub fn of(model: &Model) -> Self {
         Self { species: model.species.clone(), gravity: model.gravity, viscosity: model.viscosity }
+    }
+
+    /// Adds the loads on particles, which are steady as long as orientations are.
+    pub fn add_steady_loads(&self, particles: &Particles, loads: &mut Loads) {
+        add(&mut loads.forces, self.forces(particles));
+        add(&mut loads.torques, self.torques(particles));
     }
 
     /// Sums over this rank's particles of the x and y components of forces, and of the first moments along z of the x

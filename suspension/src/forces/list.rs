@@ -285,6 +285,13 @@ impl Forces {
         loads
     }
 
+    /// Steady loads on particles.
+    pub fn steady_loads(&self, particles: &Particles) -> Loads {
+        let mut loads = Loads::default();
+        self.external.add_steady_loads(particles, &mut loads);
+        loads
+    }
+
     /// Passes the motions of a solution on. Collective.
     pub fn solved(&mut self, particles: &mut Particles, solved: &SolvedMotion, step: u64) -> Result<(), StepError> {
         for force in self.all_mut().into_iter().filter(|force| force.follows_motion()) {

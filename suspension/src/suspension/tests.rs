@@ -1,7 +1,7 @@
 //! Runs whose far field and forces between surfaces an emulator of a card computes, against those of the host.
 
 use super::Suspension;
-use crate::columns::{ANGULAR_VELOCITY, PAST, STRESSLET, STRESSLET_FAR, VELOCITY};
+use crate::columns::{ANGULAR_VELOCITY, PAST, STRESSLET, VELOCITY};
 use crate::model::{Adaptive, Flow, Hydrodynamics, Integrator, Model, Parameters, Protocol, Repulsion, Species, Start};
 use crate::scalars::BLEND;
 use domain::{Comm, Interrupt, Particles, PeriodicBox, Vector};
@@ -105,12 +105,18 @@ fn spheres_move_as_on_the_host() {
 }
 
 /// Positions, motions and columns of solutions stay on the card until something reads them, and then have the numbers
-/// of the host. A step copies settings and sums, however many spheres there are.
+/// of the host. A step copies settings and sums, however many spheres there are, with lubrication and without, and
+/// under a weight.
 #[test]
 fn particles_stay_on_the_card() {
-    let model = sheared();
+    for model in [sheared(), settling()] {
+        stays_on_the_card(&model);
+    }
+}
+
+fn stays_on_the_card(model: &Model) {
     let (device, counts) = emulator(1);
-    let mut card = advanced(on(started(&model, None), device), STEPS + 2);
+    let mut card = advanced(on(started(model, None), device), STEPS + 2);
     let before = counts.borrow().clone();
     card.step().unwrap();
     let copied = |after: [u64; 2], before: [u64; 2]| after[1] - before[1];
@@ -118,9 +124,9 @@ fn particles_stay_on_the_card() {
     let [up, down] = [copied(after.uploads, before.uploads), copied(after.downloads, before.downloads)];
     assert!(up < 2000 && down < 600, "{up} and {down} bytes");
     let is_here = |name: &str| card.particles.columns.iter().find(|c| c.name == name).unwrap().values.is_here();
-    assert!([VELOCITY, ANGULAR_VELOCITY, STRESSLET, STRESSLET_FAR].into_iter().all(|name| !is_here(name)));
+    assert!([VELOCITY, ANGULAR_VELOCITY, STRESSLET].into_iter().all(|name| !is_here(name)));
     assert!(!card.particles.positions.is_here() && !card.particles.steps.is_here());
-    let mut host = advanced(started(&model, None), STEPS + 3);
+    let mut host = advanced(started(model, None), STEPS + 3);
     let [of_card, of_host] = [&mut card, &mut host].map(|run| by_id(&run.state().particles));
     assert_eq!(of_card.ids, of_host.ids);
     assert_eq!(of_card.columns.len(), of_host.columns.len());

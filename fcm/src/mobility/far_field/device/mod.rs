@@ -390,8 +390,7 @@ impl CoupledFarField for DeviceFarField {
 /// Largest load of a problem: one that is given, a force between surfaces, or that by which single spheres with a
 /// resistance of at most this size resist ambient motions and strain.
 fn largest_load(problem: &CoupledProblem, resistance: f64, surface: f64) -> f64 {
-    let largest = |list: &mut dyn Iterator<Item = f64>| list.map(f64::abs).fold(0.0, f64::max);
     let CoupledProblem { loads, ambient, background, .. } = problem;
-    let moved = largest(&mut ambient.iter().chain(background).copied());
-    largest(&mut loads.iter().copied().chain([surface, resistance * moved]))
+    let moved = ambient.iter().chain(background).fold(0.0, |largest: f64, rate| largest.max(rate.abs()));
+    loads.largest().max(surface.abs()).max(resistance * moved)
 }

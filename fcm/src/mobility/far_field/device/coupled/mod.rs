@@ -9,7 +9,7 @@ use super::kept_lists::KeptLists;
 use super::succeeded;
 use super::vectors::{ResidentVector, SharedField};
 use crate::conjugate_gradients::{InnerProducts, Iterate, SteppedSystem, Turn, conjugate_gradients};
-use crate::mobility::coupled::{CoupledProblem, CoupledSolution, SolutionColumns};
+use crate::mobility::coupled::{CoupledProblem, CoupledSolution, GivenLoads, SolutionColumns};
 use crate::mobility::loads::Motion;
 use domain::{Comm, RemoteList, Vector};
 use gpu::{
@@ -101,7 +101,14 @@ impl ResidentSystem<'_> {
         let [motions, near_loads] = [(); 2].map(|()| ResidentVector::wide(field, SIX * count));
         let moments = ResidentVector::wide(field, FIVE * count);
         let (of_motions, of_loads) = (motions.list, near_loads.list);
-        let given = some_of(problem.loads).map(|values| ResidentVector::wide_of(field, values));
+        let copied = match problem.loads {
+            GivenLoads::Here(loads) => some_of(loads).map(|values| ResidentVector::wide_of(field, values)),
+            GivenLoads::Held(_) => None,
+        };
+        let given = match problem.loads {
+            GivenLoads::Here(_) => copied.as_ref().map(|vector| vector.list),
+            GivenLoads::Held(held) => held.list().map(|list| lists.kept.held(list)),
+        };
         let past = lists.kept.of(problem.past, lists.places);
         let (found, columns) = found(problem, lists);
         let vectors = self.matrix.vectors();
@@ -111,7 +118,6 @@ impl ResidentSystem<'_> {
             moving: vectors.given,
             moments: moments.list,
         };
-        let given = given.as_ref().map(|vector| vector.list);
         succeeded(field.borrow_mut().guess_coupled(&past, &found, lists.units, given, &guessed));
         let solve = PairSolve { pairs: PairSet::All, motions: of_motions, loads: of_loads, vectors };
         let limits = ResidentPreconditioner::limits_of(problem.tolerances.start);
