@@ -1,6 +1,7 @@
 //! Square roots of operators times vectors, by Lanczos' iteration.
 
 use domain::Comm;
+use domain::parallel::{change, mapped, of_rows};
 
 /// Diagnostics of a draw.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -98,7 +99,7 @@ impl<const N: usize, E, F: FnMut(&[[f64; N]]) -> Result<Vec<[f64; N]>, E>> Krylo
 
     fn extend(&mut self, norm: f64) -> Result<KrylovStep, E> {
         let factor = 1.0 / norm;
-        let vector: Vec<[f64; N]> = self.remainder.iter().map(|numbers| numbers.map(|x| x * factor)).collect();
+        let vector: Vec<[f64; N]> = mapped(&self.remainder, |numbers| numbers.map(|x| x * factor));
         let mut image = (self.apply)(&vector)?;
         let diagonal = self.dot(&vector, &image);
         self.vectors.push(vector);
@@ -133,7 +134,7 @@ pub fn square_root_times<const N: usize, E>(
         return Ok((start.to_vec(), DrawDiagnostics::default()));
     }
     let (coordinates, drawn) = coordinates_of_root(&mut basis, norm, limits)?;
-    let mut root = vec![[0.0; N]; start.len()];
+    let mut root = of_rows(start.len(), |_| [0.0; N]);
     for (vector, &coordinate) in basis.vectors.iter().zip(&coordinates) {
         subtract(&mut root, -coordinate, vector);
     }
@@ -154,9 +155,7 @@ pub(crate) fn product(a: &[f64], b: &[f64]) -> f64 {
 }
 
 fn subtract<const N: usize>(from: &mut [[f64; N]], factor: f64, vector: &[[f64; N]]) {
-    for (to, by) in from.as_flattened_mut().iter_mut().zip(vector.as_flattened()) {
-        *to -= factor * by;
-    }
+    change(from.as_flattened_mut(), vector.as_flattened(), |to, by| *to -= factor * by);
 }
 
 /// First column of the square root of a tridiagonal matrix, with negative eigenvalues replaced by zero, and the share

@@ -6,7 +6,7 @@ use crate::pairs::lists::Present;
 use crate::pairs::lubrication::PairLubrication;
 use crate::pairs::matrix::lanes::SimdLanes;
 use crate::pairs::search::NearField;
-use domain::parallel::{MeasuredLoop, stage};
+use domain::parallel::{MeasuredLoop, mapped, stage};
 use domain::{DomainView, Neighbours, Particles, PeriodicBox, Random, Vector};
 use fcm::{Loads, Stream};
 use lubrication::{PairFactor, PairForce, WallFactor, WallForce};
@@ -37,7 +37,7 @@ pub fn loads_of_pairs(
     let bodies = bodies.map(|bodies| PresentBodies::new(bodies, &particles.radii, &present.halo));
     let bodies = bodies.as_ref();
     let Present { halo, positions, ids, species, .. } = &*present;
-    let mut steps: Vec<[i32; 4]> = particles.steps.iter().map(|&[x, y, z]| [x, y, z, 0]).collect();
+    let mut steps = mapped(&particles.steps, |&[x, y, z]| [x, y, z, 0]);
     halo.extend(&mut steps);
     let Some(PairLubrication { force, .. }) = &field.lubrication else { return Loads::default() };
     let (owned, neighbours) = (particles.len(), field.lists.neighbours());
@@ -65,7 +65,7 @@ pub fn loads_of_pairs(
         sums[row][0] += force;
         sums[row][1] += torque;
     }
-    let of = |k: usize| sums.iter().map(|sum| sum[k]).collect();
+    let of = |k: usize| mapped(&sums, |sum| sum[k]);
     Loads { forces: of(0), torques: of(1), stresslets: Vec::new() }
 }
 

@@ -1,6 +1,7 @@
 //! Random motions whose covariance is the mobility.
 
 use crate::mobility::loads::{Motion, angular_velocity};
+use domain::parallel::FusedLoops;
 use domain::{Random, RandomLanes, Tensor, Traceless, Vector};
 use solver::{Complexes, Draw, MODES};
 
@@ -112,13 +113,12 @@ pub(crate) fn components(motion: &(Vector, Tensor)) -> ParticleComponents {
 }
 
 /// Motion of particles from their components.
-pub(crate) fn motion(components: impl Iterator<Item = ParticleComponents>) -> Motion {
-    let mut motion = Motion::default();
-    for [x, y, z, a, b, c, strain @ ..] in components {
-        motion.velocities.push(Vector::new(x, y, z));
-        motion.angular_velocities.push(Vector::new(a, b, c));
-        motion.strain_rates.push(tensor(strain));
-    }
+pub(crate) fn motion(components: &[ParticleComponents]) -> Motion {
+    let (mut motion, mut loops) = (Motion::default(), FusedLoops::default());
+    loops.mapped(&mut motion.velocities, components, |of_one| Vector::from_slice(of_one));
+    loops.mapped(&mut motion.angular_velocities, components, |of_one| Vector::from_slice(&of_one[3..]));
+    loops.mapped(&mut motion.strain_rates, components, |&[_, _, _, _, _, _, strain @ ..]| tensor(strain));
+    loops.run();
     motion
 }
 

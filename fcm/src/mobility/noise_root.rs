@@ -5,6 +5,7 @@ use crate::mobility::loads::{Loads, Motion, Output};
 use crate::mobility::noise::{self, NoiseRequest, ParticleComponents};
 use crate::plan::Plan;
 use crate::plan::problem::Multipoles;
+use domain::parallel::{FusedLoops, mapped, of_rows};
 use domain::{Comm, Units, Vector, sphere};
 use std::convert::Infallible;
 
@@ -28,33 +29,38 @@ pub(crate) fn numbers(draw: &NoiseRequest, multipoles: Multipoles) -> Vec<Partic
         numbers[components(multipoles)..].fill(0.0);
         numbers
     };
-    draw.ids.iter().map(of_particle).collect()
+    mapped(draw.ids, of_particle)
 }
 
-/// Sum of random motions of particles by two parts, of which the second may be absent, from units of length and
-/// viscosity: the variance of a velocity has the unit of the mobility.
+/// Sum of random motions of a number of particles by two parts, the first by a function of the row, of which the second
+/// may be absent, from units of length and viscosity: the variance of a velocity has the unit of the mobility.
 pub(crate) fn sum_in_units(
-    first: impl Iterator<Item = ParticleComponents>,
+    count: usize,
+    first: impl Fn(usize) -> ParticleComponents + Sync + Send,
     second: &[ParticleComponents],
     multipoles: Multipoles,
     units: &Units,
 ) -> Motion {
-    let sum = first.enumerate().map(|(row, mut sum)| {
+    let sum = of_rows(count, |row| {
+        let mut sum = first(row);
         if let Some(other) = second.get(row) {
             sum.iter_mut().zip(other).for_each(|(sum, other)| *sum += other);
         }
         sum[components(multipoles)..].fill(0.0);
         sum
     });
-    in_units(noise::motion(sum), multipoles, units)
+    in_units(noise::motion(&sum), multipoles, units)
 }
 
 /// Random motions from units of length and viscosity.
 pub(crate) fn in_units(mut motion: Motion, multipoles: Multipoles, units: &Units) -> Motion {
     let [velocity, rate] = [units.length, units.length.powi(3)].map(|size| (size * units.viscosity).sqrt().recip());
-    motion.velocities.iter_mut().for_each(|v| *v *= velocity);
-    motion.angular_velocities.iter_mut().for_each(|w| *w *= rate);
-    motion.strain_rates.iter_mut().for_each(|e| *e = *e * rate);
+    let Motion { velocities, angular_velocities, strain_rates } = &mut motion;
+    let mut loops = FusedLoops::default();
+    loops.change_rows(velocities, move |_, v| *v *= velocity);
+    loops.change_rows(angular_velocities, move |_, w| *w *= rate);
+    loops.change_rows(strain_rates, move |_, e| *e = *e * rate);
+    loops.run();
     motion.of(multipoles)
 }
 
@@ -68,20 +74,13 @@ pub(crate) fn root_by_loads(
 ) -> (Vec<ParticleComponents>, DrawDiagnostics) {
     let has_dipoles = multipoles == Multipoles::Dipole;
     let apply = |scaled: &[ParticleComponents]| {
-        let mut loads = Loads::default();
-        for components in scales.divide(scaled) {
-            loads.forces.push(Vector::from_slice(&components));
-            if has_dipoles {
-                let [_, _, _, x, y, z, d @ ..] = components;
-                loads.torques.push(Vector::new(x, y, z));
-                loads.stresslets.push(-noise::tensor(d));
-            }
-        }
-        Ok::<_, Infallible>(scales.divide(&of_motion(&apply(&loads), has_dipoles)))
+        let found = apply(&scales.loads(scaled, has_dipoles));
+        let components = of_motion(&found, has_dipoles);
+        Ok::<_, Infallible>(of_rows(scaled.len(), |row| scales.divide(row, &components(row))))
     };
     let limits = LanczosLimits { tolerance: draw.tolerance, iterations: MOST_ITERATIONS };
     let Ok((root, drawn)) = square_root_times(comm, &numbers(draw, multipoles), limits, apply);
-    (scales.times(&root), drawn)
+    (scales.all_times(&root), drawn)
 }
 
 /// Random motions, of particles of some classes of radius, by the square root of a whole mobility, which `apply` is.
@@ -97,21 +96,20 @@ pub(crate) fn root_of_whole(
     let output = if multipoles == Multipoles::Dipole { Output::All } else { Output::Velocities };
     let scales = Scales::new(&plan.radii, plan.viscosity, classes);
     let (root, drawn) = root_by_loads(comm, &scales, draw, multipoles, |loads| apply(loads, output));
-    (noise::motion(root.into_iter()).of(multipoles), drawn)
+    (noise::motion(&root).of(multipoles), drawn)
 }
 
-/// Components of a motion; those of gradients are zero without dipoles.
-pub(crate) fn of_motion(motion: &Motion, has_dipoles: bool) -> Vec<ParticleComponents> {
-    let components = |(row, velocity): (usize, &Vector)| {
+/// Components of a row of a motion; those of gradients are zero without dipoles.
+pub(crate) fn of_motion(motion: &Motion, has_dipoles: bool) -> impl Fn(usize) -> ParticleComponents + Sync + Send {
+    move |row| {
         let mut components = [0.0; WITH_DIPOLES];
-        components[..WITHOUT].copy_from_slice(&velocity.to_array());
+        components[..WITHOUT].copy_from_slice(&motion.velocities[row].to_array());
         if has_dipoles {
             components[3..6].copy_from_slice(&motion.angular_velocities[row].to_array());
             components[6..].copy_from_slice(&noise::orthonormal(motion.strain_rates[row]));
         }
         components
-    };
-    motion.velocities.iter().enumerate().map(components).collect()
+    }
 }
 
 /// Square roots of the mobilities of single spheres for forces, torques and stresslets, by class of radius.
@@ -131,23 +129,36 @@ impl Scales {
     /// For particles of some classes of radius.
     pub(crate) fn new(radii: &[f64], viscosity: f64, classes: &[u32]) -> Self {
         let of_classes = scales_of_classes(radii, viscosity);
-        Self(classes.iter().map(|&class| of_classes[class as usize]).collect())
+        Self(mapped(classes, |&class| of_classes[class as usize]))
     }
 
-    /// Products of components and scales.
-    pub(crate) fn times(&self, list: &[ParticleComponents]) -> Vec<ParticleComponents> {
-        self.scaled(list, |component, scale| component * scale)
+    /// Products of all components and scales.
+    pub(crate) fn all_times(&self, list: &[ParticleComponents]) -> Vec<ParticleComponents> {
+        of_rows(list.len(), |row| self.scaled(row, &list[row], |component, scale| component * scale))
     }
 
-    /// Components over scales.
-    pub(crate) fn divide(&self, list: &[ParticleComponents]) -> Vec<ParticleComponents> {
-        self.scaled(list, |component, scale| component / scale)
+    /// Components of a row over its scales.
+    pub(crate) fn divide(&self, row: usize, components: &ParticleComponents) -> ParticleComponents {
+        self.scaled(row, components, |component, scale| component / scale)
     }
 
-    fn scaled(&self, list: &[ParticleComponents], by: impl Fn(f64, f64) -> f64) -> Vec<ParticleComponents> {
-        let scaled = |(components, scales): (&ParticleComponents, &[f64; 3])| {
-            std::array::from_fn(|k| by(components[k], scales[[0, 0, 0, 1, 1, 1, 2, 2, 2, 2, 2][k]]))
-        };
-        list.iter().zip(&self.0).map(scaled).collect()
+    /// Components over scales as loads, with torques and stresslets if there are dipoles.
+    fn loads(&self, list: &[ParticleComponents], has_dipoles: bool) -> Loads {
+        let (mut loads, mut loops) = (Loads::default(), FusedLoops::default());
+        let (load, dipoles) = (|row: usize| self.divide(row, &list[row]), if has_dipoles { list.len() } else { 0 });
+        loops.of_rows(&mut loads.forces, list.len(), move |row| Vector::from_slice(&load(row)));
+        loops.of_rows(&mut loads.torques, dipoles, move |row| Vector::from_slice(&load(row)[3..]));
+        loops.of_rows(&mut loads.stresslets, dipoles, move |row| {
+            let [_, _, _, _, _, _, strain @ ..] = load(row);
+            -noise::tensor(strain)
+        });
+        loops.run();
+        loads
+    }
+
+    #[inline]
+    fn scaled(&self, row: usize, components: &ParticleComponents, by: impl Fn(f64, f64) -> f64) -> ParticleComponents {
+        let scales = self.0[row];
+        std::array::from_fn(|k| by(components[k], scales[[0, 0, 0, 1, 1, 1, 2, 2, 2, 2, 2][k]]))
     }
 }

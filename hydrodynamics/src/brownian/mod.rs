@@ -3,6 +3,7 @@
 use crate::ambient::StrainRate;
 use crate::coupled_solver::{CoupledSolver, DisplacedSpheres};
 use crate::solution::{Guess, Solution, SolveInput, StoredSolution};
+use domain::parallel::{FusedLoops, change, change_rows, copied, mapped};
 use domain::{Particles, PeriodicBox, Traceless, Vector};
 use fcm::{Loads, Motion, SolveError};
 
@@ -100,10 +101,10 @@ pub fn store_drift(
     let StoredSolution { mut motion, stresslets, .. } = hydrodynamics.perturbed_solution(&moved, &found, tolerance)?;
     motion.add(-1.0, &found.motion);
     for (name, list) in DRIFT.into_iter().zip([motion.velocities, motion.angular_velocities]) {
-        particles.vectors(name).iter_mut().zip(list).for_each(|(drift, change)| *drift = change * (1.0 / over));
+        change(particles.vectors(name), &list, |drift, &change| *drift = change * (1.0 / over));
     }
-    let changes = stresslets.iter().zip(&found.stresslets).map(|(&there, &here)| (there - here) * (1.0 / over));
-    tensors(particles, BROWNIAN).iter_mut().zip(changes).for_each(|(stresslet, change)| *stresslet = change);
+    let of_row = |row: usize| (stresslets[row] - found.stresslets[row]) * (1.0 / over);
+    change_rows(tensors(particles, BROWNIAN), |row, stresslet| *stresslet = of_row(row));
     Ok(())
 }
 
@@ -117,30 +118,27 @@ pub fn store_divergence(hydrodynamics: &mut CoupledSolver, cell: &PeriodicBox, p
 
 /// The stored drift and Brownian stresslets.
 pub fn drift(particles: &mut Particles) -> (Motion, Vec<Traceless>) {
-    let [velocities, angular_velocities] = DRIFT.map(|name| particles.vectors(name).to_vec());
+    let [velocities, angular_velocities] = DRIFT.map(|name| copied(particles.vectors(name)));
     (Motion { velocities, angular_velocities, strain_rates: Vec::new() }, tensors(particles, BROWNIAN).to_vec())
 }
 
 /// Limits drift velocities to a displacement of a twentieth of the radius in a time. Larger values result from the
 /// change of random loads alone, where a gap almost vanishes and the displacement of the finite difference does not.
 pub fn limit_drift(particles: &mut Particles, time: f64) {
-    let most: Vec<f64> = particles.radii.iter().map(|radius| FARTHEST * radius / time).collect();
-    for (velocity, most) in particles.vectors(DRIFT_VELOCITY).iter_mut().zip(most) {
-        *velocity = velocity.clamp_length_max(most);
-    }
+    let most = mapped(&particles.radii, |radius| FARTHEST * radius / time);
+    change(particles.vectors(DRIFT_VELOCITY), &most, |velocity, &most| *velocity = velocity.clamp_length_max(most));
 }
 
 /// Limits angular drift velocities in the same way, to a rotation by a twentieth of a radian in a time.
 pub fn limit_angular_drift(particles: &mut Particles, time: f64) {
-    for velocity in particles.vectors(DRIFT_ANGULAR_VELOCITY) {
-        *velocity = velocity.clamp_length_max(FARTHEST / time);
-    }
+    let limited = |_, velocity: &mut Vector| *velocity = velocity.clamp_length_max(FARTHEST / time);
+    change_rows(particles.vectors(DRIFT_ANGULAR_VELOCITY), limited);
 }
 
 /// Stores displacements by the drawn velocities of the fluid over a time.
 pub fn displace(particles: &mut Particles, time: f64) {
-    let displacements: Vec<Vector> = ambient(particles).velocities.into_iter().map(|v| v * time).collect();
-    particles.vectors(DISPLACEMENT).copy_from_slice(&displacements);
+    let velocities = ambient(particles).velocities;
+    change(particles.vectors(DISPLACEMENT), &velocities, |displacement, &v| *displacement = v * time);
 }
 
 /// Removes the columns of random motions.
@@ -152,27 +150,26 @@ pub fn clear_history(particles: &mut Particles) {
 
 /// Stores `amplitude` times a motion as the ambient motion of the fluid.
 pub fn set_ambient(particles: &mut Particles, motion: &Motion, amplitude: f64) {
-    let values = &mut particles.column(AMBIENT, AMBIENT_NUMBERS).values;
-    for (row, values) in values.chunks_exact_mut(AMBIENT_NUMBERS).enumerate() {
-        let turning = motion.angular_velocities.get(row).copied().unwrap_or_default();
-        let strain = motion.strain_rates.get(row).copied().unwrap_or_default();
-        values[..3].copy_from_slice(&motion.velocities[row].to_array());
+    let Motion { velocities, angular_velocities, strain_rates } = motion;
+    let values = particles.column(AMBIENT, AMBIENT_NUMBERS).values.as_chunks_mut::<AMBIENT_NUMBERS>().0;
+    change_rows(values, |row, values| {
+        let turning = angular_velocities.get(row).copied().unwrap_or_default();
+        let strain = strain_rates.get(row).copied().unwrap_or_default();
+        values[..3].copy_from_slice(&velocities[row].to_array());
         values[3..6].copy_from_slice(&turning.to_array());
         values[6..].copy_from_slice(&strain.0);
-        for value in values {
-            *value *= amplitude;
-        }
-    }
+        *values = values.map(|value| value * amplitude);
+    });
 }
 
 /// The stored ambient motion of the fluid.
 pub fn ambient(particles: &mut Particles) -> Motion {
-    let mut motion = Motion::default();
-    for values in particles.column(AMBIENT, AMBIENT_NUMBERS).values.chunks_exact(AMBIENT_NUMBERS) {
-        motion.velocities.push(Vector::from_slice(values));
-        motion.angular_velocities.push(Vector::from_slice(&values[3..]));
-        motion.strain_rates.push(Traceless(std::array::from_fn(|k| values[6 + k])));
-    }
+    let values = particles.column(AMBIENT, AMBIENT_NUMBERS).values.as_chunks::<AMBIENT_NUMBERS>().0;
+    let (mut motion, mut loops) = (Motion::default(), FusedLoops::default());
+    loops.mapped(&mut motion.velocities, values, |of_one| Vector::from_slice(of_one));
+    loops.mapped(&mut motion.angular_velocities, values, |of_one| Vector::from_slice(&of_one[3..]));
+    loops.mapped(&mut motion.strain_rates, values, |&[_, _, _, _, _, _, strain @ ..]| Traceless(strain));
+    loops.run();
     motion
 }
 
@@ -181,21 +178,21 @@ fn store_in_columns(particles: &mut Particles, loads: &Loads, found: &StoredSolu
     let Motion { velocities, angular_velocities, .. } = &found.motion;
     let vectors = RANDOM.into_iter().zip([velocities, angular_velocities]);
     for (name, list) in vectors.chain(LOADS.into_iter().zip([&loads.forces, &loads.torques])) {
-        particles.vectors(name).iter_mut().zip(list).for_each(|(value, &noted)| *value = noted);
+        change(particles.vectors(name), list, |value, &noted| *value = noted);
     }
     for (name, list) in STRESSLETS.into_iter().zip([&found.stresslets_far, &found.stresslets]) {
-        tensors(particles, name).iter_mut().zip(list).for_each(|(value, &noted)| *value = noted);
+        change(tensors(particles, name), list, |value, &noted| *value = noted);
     }
 }
 
 fn loads(particles: &mut Particles) -> Loads {
-    let [forces, torques] = LOADS.map(|name| particles.vectors(name).to_vec());
+    let [forces, torques] = LOADS.map(|name| copied(particles.vectors(name)));
     Loads { forces, torques, stresslets: Vec::new() }
 }
 
 fn load_from_columns(particles: &mut Particles) -> StoredSolution {
-    let [velocities, angular_velocities] = RANDOM.map(|name| particles.vectors(name).to_vec());
-    let [stresslets_far, stresslets] = STRESSLETS.map(|name| tensors(particles, name).to_vec());
+    let [velocities, angular_velocities] = RANDOM.map(|name| copied(particles.vectors(name)));
+    let [stresslets_far, stresslets] = STRESSLETS.map(|name| copied(tensors(particles, name)));
     StoredSolution {
         motion: Motion { velocities, angular_velocities, strain_rates: Vec::new() },
         stresslets_far,

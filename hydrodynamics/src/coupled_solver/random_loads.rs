@@ -53,8 +53,9 @@ impl CoupledSolver {
         mobility.follow(cell, particles);
         let tables = || near_tables(self.near.as_ref(), viscosity, &radii);
         let numbers = mobility.near_pairs()?.random_loads(&tables, particles, stream.seed_of(OF_PAIR));
-        let loads: Vec<SixVector> = numbers.as_chunks().0.iter().map(|&load| SixVector(load)).collect();
-        let (forces, torques) = (mapped(&loads, |load| load.linear()), mapped(&loads, |load| load.angular()));
+        let loads = numbers.as_chunks().0;
+        let forces = mapped(loads, |&load| SixVector(load).linear());
+        let torques = mapped(loads, |&load| SixVector(load).angular());
         Some(Loads { forces, torques, stresslets: Vec::new() })
     }
 }

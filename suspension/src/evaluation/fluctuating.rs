@@ -7,7 +7,7 @@ use crate::error::step::StepError;
 use crate::evaluation::overlap_monitor::{OverlapCounts, OverlapMonitor};
 use crate::neighbourhood::PairsWithHalo;
 use crate::rotation;
-use domain::parallel::of_rows;
+use domain::parallel::{FusedLoops, mapped, of_rows};
 use domain::{DomainView, Interrupted, Particles, Traceless, Vector};
 use fcm::{Loads, Motion, Stream};
 use hydrodynamics::brownian::{self, FiniteDifference, ambient, set_ambient};
@@ -97,11 +97,12 @@ impl Dynamics {
         let mut acting = self.acting(particles, near.as_ref(), moment, None, &Motion::default())?;
         drop(near);
         let noise = self.pair_noise(particles, noise);
-        let loads = &mut acting.loads;
-        for (loads, noise) in [(&mut loads.forces, noise.forces), (&mut loads.torques, noise.torques)] {
+        let (loads, mut loops) = (&mut acting.loads, FusedLoops::default());
+        for (loads, noise) in [(&mut loads.forces, &noise.forces), (&mut loads.torques, &noise.torques)] {
             loads.resize(particles.len(), Vector::ZERO);
-            loads.iter_mut().zip(noise).for_each(|(load, noise)| *load += noise);
+            loops.change(loads, noise, |load, &noise| *load += noise);
         }
+        loops.run();
         let mut ambient = ambient(particles);
         if energy > 0.0 {
             self.add_divergence_of_free(particles, energy, &mut ambient);
@@ -167,8 +168,8 @@ impl Dynamics {
     fn pair_noise(&mut self, particles: &mut Particles, Noise { amplitude, stream, .. }: Noise) -> Loads {
         let (cell, bodies) = (*self.moving.cell(), bodies::of(particles, self.partition.comm()));
         let Loads { forces, torques, .. } = self.hydrodynamics.pair_noise(&cell, particles, bodies.as_ref(), stream);
-        let times = |list: Vec<Vector>| list.into_iter().map(|load| load * amplitude).collect();
-        Loads { forces: times(forces), torques: times(torques), stresslets: Vec::new() }
+        let times = |list: &[Vector]| mapped(list, |&load| load * amplitude);
+        Loads { forces: times(&forces), torques: times(&torques), stresslets: Vec::new() }
     }
 
     /// Fails if any rank is asked to stop. Collective.

@@ -124,8 +124,8 @@ impl DenseFarField {
     }
 
     /// Motions from components in internal units.
-    fn motion(components: Vec<ParticleComponents>, [velocity, rate]: [f64; 2], output: Output) -> Motion {
-        let mut motion = noise::motion(components.into_iter());
+    fn motion(components: &[ParticleComponents], [velocity, rate]: [f64; 2], output: Output) -> Motion {
+        let mut motion = noise::motion(components);
         motion.velocities.iter_mut().for_each(|v| *v *= velocity);
         motion.angular_velocities.iter_mut().for_each(|w| *w *= rate);
         motion.strain_rates.iter_mut().for_each(|e| *e = *e * rate);
@@ -187,7 +187,7 @@ impl FarField for DenseFarField {
         };
         let components = self.times(&self.rows, &loads, wanted);
         clock.stop(&mut self.work.seconds.near);
-        Self::motion(components, [self.units.velocity(), self.units.rate()], output)
+        Self::motion(&components, [self.units.velocity(), self.units.rate()], output)
     }
 
     fn apply_with_quadrupoles(&mut self, loads: &Loads, quadrupoles: &[Vector]) -> Motion {
@@ -204,7 +204,7 @@ impl FarField for DenseFarField {
         let shapes = Shapes::new(&self.scaled, &placed.cell, self.height());
         let components = quadrupoles::motions(&shapes, &placed.cell, &placed.spheres, &placed.own, &ordered);
         clock.stop(&mut self.work.seconds.near);
-        motion.add(1.0, &Self::motion(components, [self.units.velocity(), self.units.rate()], Output::All));
+        motion.add(1.0, &Self::motion(&components, [self.units.velocity(), self.units.rate()], Output::All));
         motion
     }
 
@@ -221,7 +221,7 @@ impl FarField for DenseFarField {
         // The variance of a velocity has the unit of the mobility.
         let Units { length, viscosity, .. } = self.units;
         let scales = [length, length.powi(3)].map(|size| (size * viscosity).sqrt().recip());
-        let motion = Self::motion(components, scales, Output::All).of(self.plan.multipoles);
+        let motion = Self::motion(&components, scales, Output::All).of(self.plan.multipoles);
         (motion, DrawDiagnostics { iterations: 1, clipped: *clipped, change: 0.0 })
     }
 

@@ -11,7 +11,8 @@ use crate::mobility::noise_root::{
     MOST_ITERATIONS, Scales, in_units, of_motion, root_by_loads, root_of_whole, scales_of_classes, sum_in_units,
 };
 use crate::plan::problem::Multipoles;
-use domain::{Boundaries, Vector};
+use domain::parallel::mapped;
+use domain::{Boundaries, Traceless, Vector};
 use gpu::{DeviceMotion, KrylovOperator, MOST_VECTORS, Orders, ParticleDraw};
 use std::convert::Infallible;
 
@@ -94,9 +95,9 @@ impl DeviceFarField {
         };
         let multipoles = self.plan.multipoles;
         let (near, drawn) = root_by_loads(self.partition.comm(), &scales, draw, multipoles, near);
-        let of_field = of_motion(&field, has_dipoles).into_iter();
+        let of_field = of_motion(&field, has_dipoles);
         self.note_pair_corrections(&drawn);
-        (sum_in_units(of_field, &near, multipoles, &self.units), drawn)
+        (sum_in_units(draw.ids.len(), of_field, &near, multipoles, &self.units), drawn)
     }
 
     /// Operator of which Lanczos' iteration takes the square root.
@@ -122,10 +123,10 @@ impl DeviceFarField {
 
 /// Motions in the units of a device.
 fn as_it_is(motion: &DeviceMotion) -> Motion {
-    let vectors = |values: &[f64]| values.as_chunks().0.iter().map(|&v| Vector::from_array(v)).collect();
+    let vectors = |values: &[f64]| mapped(values.as_chunks().0, |&v| Vector::from_array(v));
     Motion {
         velocities: vectors(&motion.velocities),
         angular_velocities: vectors(&motion.angular_velocities),
-        strain_rates: motion.strain_rates.as_chunks().0.iter().map(|&e| domain::Traceless(e)).collect(),
+        strain_rates: mapped(motion.strain_rates.as_chunks().0, |&e| Traceless(e)),
     }
 }

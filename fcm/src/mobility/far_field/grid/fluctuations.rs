@@ -7,6 +7,7 @@ use crate::mobility::loads::{Motion, Output, dipole};
 use crate::mobility::noise::{self, NoiseRequest, ParticleComponents};
 use crate::mobility::noise_root::{MOST_ITERATIONS, Scales, numbers, root_of_whole, sum_in_units};
 use crate::plan::problem::Multipoles;
+use domain::parallel::of_rows;
 use domain::{Boundaries, Tensor, Vector};
 use std::convert::Infallible;
 
@@ -27,8 +28,8 @@ impl GridFarField {
         self.arrangement.collect(&mut far);
         self.work.transforms += 1;
         let (near, drawn) = self.near_noise(draw);
-        let of_field = far[..ids.len()].iter().map(noise::components);
-        (sum_in_units(of_field, &near, self.plan.multipoles, &self.units), drawn)
+        let of_field = |row: usize| noise::components(&far[row]);
+        (sum_in_units(ids.len(), of_field, &near, self.plan.multipoles, &self.units), drawn)
     }
 
     /// Near-field part. Collective.
@@ -40,26 +41,26 @@ impl GridFarField {
         let own = self.plan.in_units(&self.units);
         let scales = Scales::new(&own.radii, own.viscosity, &arrangement.classes[..ids.len()]);
         let apply = |scaled: &[ParticleComponents]| {
-            let loads = scales.divide(scaled);
-            let mut forces: Vec<Vector> = loads.iter().map(|c| Vector::from_slice(c)).collect();
+            let load = |row: usize| scales.divide(row, &scaled[row]);
+            let mut forces = of_rows(ids.len(), |row| Vector::from_slice(&load(row)));
             arrangement.halo.extend(&mut forces);
             let mut dipoles = Vec::new();
             if has_dipoles {
-                dipoles = loads
-                    .iter()
-                    .map(|&[_, _, _, x, y, z, d @ ..]| dipole(-noise::tensor(d), Vector::new(x, y, z)))
-                    .collect();
+                dipoles = of_rows(ids.len(), |row| {
+                    let [_, _, _, x, y, z, strain @ ..] = load(row);
+                    dipole(-noise::tensor(strain), Vector::new(x, y, z))
+                });
                 arrangement.halo.extend(&mut dipoles);
             }
-            let mut motions = vec![(Vector::ZERO, Tensor::ZERO); ids.len()];
+            let mut motions = of_rows(ids.len(), |_| (Vector::ZERO, Tensor::ZERO));
             near.add(&arrangement.loaded(&forces, &dipoles), neighbours, has_dipoles, &mut motions);
-            Ok::<_, Infallible>(scales.divide(&motions.iter().map(noise::components).collect::<Vec<_>>()))
+            Ok::<_, Infallible>(of_rows(ids.len(), |row| scales.divide(row, &noise::components(&motions[row]))))
         };
         let start = numbers(draw, self.plan.multipoles);
         let limits = LanczosLimits { tolerance: draw.tolerance, iterations: MOST_ITERATIONS };
         let Ok((root, drawn)) = square_root_times(self.partition.comm(), &start, limits, apply);
         self.work.neighbours += (neighbours.count() * drawn.iterations) as u64;
-        (scales.times(&root), drawn)
+        (scales.all_times(&root), drawn)
     }
 
     /// Random motions by the square root of the whole mobility. Collective.
