@@ -66,7 +66,9 @@ pub use conjugate_gradients::{
 };
 pub use dipoles::{DipoleError, DipoleField, DipoleProblem, DipoleSolution, Magnetisation};
 pub use envelope::{Envelope, Quadrupole};
-pub use gpu::{GUESSED, NearInput, NearKind, NearTables, PAST, PairRows, SurfaceKind, SurfaceLaws, SurfacePair};
+pub use gpu::{
+    GUESSED, NearInput, NearKind, NearTables, PAST, PairRows, SurfaceKind, SurfaceLaws, SurfacePair, WALL_NUMBERS,
+};
 pub use grid::stencil::Support;
 pub use lanczos::{DrawDiagnostics, LanczosLimits, square_root_times};
 pub use mobility::coupled::{

@@ -8,9 +8,10 @@ static constexpr int ASSEMBLY_THREADS = 128;
 // Loads and first moment of a sphere at rest in the rate of strain of the background.
 static constexpr int IN_FLOW = SIX + COMPONENTS;
 
-// A pair of a row: distance, and the axis from the smaller sphere to the larger, or to the other one of the same size.
+// A pair of a row: distance, height of the middle of the centres, and the axis from the smaller sphere to the larger, or
+// to the other one of the same size.
 struct NearPair {
-    double distance, axis[3];
+    double distance, height, axis[3];
     const NearKind *kind;
 };
 
@@ -24,6 +25,8 @@ static __device__ NearPair near_pair(const Task &task, int row, int other, int p
     const unsigned long long *positions = task.positions;
     separation_of<double>(task, positions + 3 * row, positions + 3 * other, steps, x);
     pair.distance = sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
+    double of_row = (double)positions[3 * row + 2] * Precision<double>::UNIT * task.numbers->edges[2];
+    pair.height = task.numbers->lowest + of_row - 0.5 * x[2];
     double scale = (pair.kind->is_larger != 0 ? 1 : -1) / pair.distance;
     for (int axis = 0; axis < 3; axis++) z[axis] = x[axis] * scale;
     for (int a = 0; a < 3; a++) {
@@ -113,9 +116,11 @@ static __device__ void add_tensor(double stretch, const double s[3], const doubl
 }
 
 // Adds the loads and the first moment of a sphere at rest in the background by a pair.
-static __device__ void add_in_flow(const Task &task, const SphereRow &row, const double z[3], double sums[IN_FLOW])
+static __device__ void add_in_flow(const Task &task, const SphereRow &row, const NearPair &pair, double sums[IN_FLOW])
 {
-    const double *e = task.numbers->background;
+    const double *uniform = task.numbers->background, *slope = task.numbers->slope, *z = pair.axis;
+    const double e[COMPONENTS] = {
+        uniform[0], uniform[1], uniform[2] + slope[0] * pair.height, uniform[3], uniform[4] + slope[1] * pair.height};
     const double rows[3][3] = {{e[0], e[1], e[2]}, {e[1], e[3], e[4]}, {e[2], e[4], -e[0] - e[3]}};
     double cross[3], shear[3];
     for (int i = 0; i < 3; i++) cross[i] = dot(rows[i], z);
@@ -156,7 +161,7 @@ template <typename S, int SET> __device__ void assemble(const Task &task)
         SphereRow side = side_of<SET>(task, pair);
         store_pair<S, SET>(task, entry, pair.axis, side);
         add_to_own(side, pair.axis, sums);
-        add_in_flow(task, side, pair.axis, sums + OWN_NUMBERS);
+        add_in_flow(task, side, pair, sums + OWN_NUMBERS);
     }
     for (int k = lane; k < given; k += ROW_LANES) copy_given(task, task.given_starts[row] + k, end + k);
     for (int k = 0; k < SUMS; k++) partial[k * ASSEMBLY_THREADS + thread] = sums[k];
@@ -174,7 +179,20 @@ template <typename S, int SET> __device__ void assemble(const Task &task)
     }
 }
 
-// First moments by the motions of spheres in a direction, with eight threads a row; those of soft pairs are added.
+// Component of the first moment of a sphere at walls across z by its own motion u, see gpu/src/pair_rows.rs.
+static __device__ double moment_at_walls(const double at_walls[WALL_NUMBERS], const double u[SIX], int component)
+{
+    const double *turn = u + 3;
+    switch (component) {
+    case 2: return at_walls[1] * u[0] + at_walls[2] * turn[1];
+    case 4: return at_walls[1] * u[1] - at_walls[2] * turn[0];
+    case 1: return 0;
+    default: return -at_walls[0] * u[2];
+    }
+}
+
+// First moments by the motions of spheres in a direction, with eight threads a row; those of stiff pairs are with those
+// at walls, and those of soft pairs are added.
 template <int SET> __device__ void near_moments(const Task &task)
 {
     SHARED(double, partial, COMPONENTS *ASSEMBLY_THREADS);
@@ -203,5 +221,7 @@ template <int SET> __device__ void near_moments(const Task &task)
     if (!is_there || lane >= COMPONENTS) return;
     double sum = 0, *to = task.image + COMPONENTS * row + lane;
     for (int other = 0; other < ROW_LANES; other++) sum += partial[lane * ASSEMBLY_THREADS + first + other];
+    if (SET == STIFF && task.given_at_walls)
+        sum += moment_at_walls(task.given_at_walls + WALL_NUMBERS * row, task.direction + SIX * row, lane);
     *to = SET == STIFF ? sum : *to + sum;
 }

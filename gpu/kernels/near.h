@@ -10,6 +10,8 @@ static constexpr int PAIR_NUMBERS = 9;
 // Numbers of a row's own resistance: force by velocity and torque by rotation, xx, xy, xz, yy, yz and zz each, and
 // the vector c of the coupling F = Omega x c, L = c x U.
 static constexpr int OWN_NUMBERS = 15;
+// Numbers of the first moment of a row's sphere at walls by its own motion.
+static constexpr int WALL_NUMBERS = 3;
 // Resistances of single spheres: to translation, rotation and strain.
 static constexpr int RESISTANCES = 3;
 static constexpr int ROW_LANES = 8;

@@ -37,8 +37,9 @@ struct Numbers {
     // Axes of the box by rows.
     double axes[9];
     double solve_factor;
-    // Rate of strain of the background.
-    double background[5];
+    // Rate of strain of the background at z = 0, and derivatives of its components xz and yz with respect to z; z of the
+    // first point of the grid.
+    double background[5], slope[2], lowest;
     // From the units of a solve to those of the far field: of forces, and of torques and stresslets; and back: of
     // velocities, and of gradients.
     double force, torque, velocity, rate;
@@ -147,6 +148,8 @@ struct Task {
     // Rows of other stiff pairs that the host gives, if there are any.
     const int *given_starts, *given_others;
     const double *given_numbers, *given_own;
+    // First moments of spheres at walls by their own motions, three numbers each, if there are any.
+    const double *given_at_walls;
     // Laws of forces between surfaces by pairs of classes, as many for each pair as there are forces.
     const SurfacePair *surface_laws;
     // Loads and first moments of spheres at rest in the background, six and five numbers each.

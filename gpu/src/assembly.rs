@@ -5,7 +5,7 @@ use crate::far_field::{PARTICLE_THREADS, SplitFarField};
 use crate::groups::ROUNDS;
 use crate::lists::DeviceList;
 use crate::numbers::KernelNumbers;
-use crate::pair_rows::{IN_FLOW, OWN_NUMBERS, PAIR_NUMBERS, PairRows, ROW_LANES};
+use crate::pair_rows::{IN_FLOW, OWN_NUMBERS, PAIR_NUMBERS, PairRows, ROW_LANES, WALL_NUMBERS};
 use crate::repeated::CommandList;
 use crate::surface_laws::SurfaceLaws;
 use crate::tables::NumberFormat;
@@ -15,10 +15,12 @@ use crate::task::{DeviceAddress, KernelTask};
 const ASSEMBLY_THREADS: usize = 128;
 
 /// Input of an assembly.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct NearInput<'a> {
-    /// Rate of strain of the background: xx, xy, xz, yy and yz.
+    /// Rate of strain of the background at `z = 0`: xx, xy, xz, yy and yz.
     pub background: [f64; 5],
+    /// Derivatives of its components xz and yz with respect to z, in boxes that do not repeat along z.
+    pub slope: [f64; 2],
     /// Rows of other stiff pairs, and other resistances to own motions.
     pub given: Option<&'a PairRows>,
     /// Forces between surfaces that are added to the loads, if there are any.
@@ -41,8 +43,8 @@ impl SplitFarField {
         self.reserve_groups()?;
         let given_entries = input.given.map_or(0, |rows| rows.others.len() as i64);
         let near_entries = pairs.map(|count| count as i64);
-        let background = input.background;
-        self.set_numbers(&KernelNumbers { background, near_entries, given_entries, ..self.numbers })?;
+        let &NearInput { background, slope, .. } = input;
+        self.set_numbers(&KernelNumbers { background, slope, near_entries, given_entries, ..self.numbers })?;
         self.assemble_rows()?;
         if let Some(laws) = input.surface {
             self.add_surface_forces(laws, [self.task.in_flow, IN_FLOW as u64])?;
@@ -59,7 +61,8 @@ impl SplitFarField {
     /// Copies the rows that the host gives.
     fn take_given(&mut self, given: Option<&PairRows>) -> Result<(), DeviceError> {
         let Self { device, buffers, task, .. } = self;
-        (task.given_starts, task.given_others, task.given_numbers, task.given_own) = (0, 0, 0, 0);
+        (task.given_starts, task.given_others, task.given_numbers) = (0, 0, 0);
+        (task.given_own, task.given_at_walls) = (0, 0);
         given.map_or(Ok(()), |rows| task.give(&mut buffers.near.given, device.as_mut(), rows))
     }
 
@@ -137,3 +140,6 @@ pub(crate) const MOMENTS: usize = 5;
 /// Bytes that the rows of a particle take besides those of its pairs: where rows of both kinds of pairs begin, own
 /// resistances, loads and first moments in the background, and first moments by motions.
 pub(crate) const ROW_BYTES: usize = 2 * (4 + 8 * OWN_NUMBERS) + 8 * (IN_FLOW + MOMENTS);
+
+/// Bytes that the rows of a particle take that the host gives, without pairs.
+pub(crate) const GIVEN_BYTES: usize = 4 + 8 * (OWN_NUMBERS + WALL_NUMBERS);

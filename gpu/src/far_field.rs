@@ -253,6 +253,7 @@ impl SplitFarField {
             tilt_y: r,
             tilt_across: t - s * r,
             axes: shape.axes.unwrap_or_default(),
+            lowest: shape.lowest,
             solve_factor: 1.0 / (tables.viscosity * shape.edges.iter().product::<f64>()),
             ..self.numbers
         };

@@ -64,7 +64,7 @@ pub use memory::{EvaluationBytes, EvaluationSize, HISTORY_BYTES, NearSize, Solve
 pub use near::{PairLimits, PairSolve, PairVectors};
 pub use near_tables::{NearKind, NearTables};
 pub use pair_noise::PairDraw;
-pub use pair_rows::{IN_FLOW, OWN_NUMBERS, PAIR_NUMBERS, PairRows, PairSet};
+pub use pair_rows::{IN_FLOW, OWN_NUMBERS, PAIR_NUMBERS, PairRows, PairSet, WALL_NUMBERS};
 pub use share::{GridShare, Peers, StencilSums};
 pub use strain::{StrainSums, StrainVectors};
 pub use surface_laws::{SurfaceKind, SurfaceLaws, SurfacePair};

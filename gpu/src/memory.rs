@@ -1,6 +1,6 @@
 //! Memory that an evaluation takes of a device.
 
-use crate::assembly::ROW_BYTES;
+use crate::assembly::{GIVEN_BYTES, ROW_BYTES};
 use crate::coupled::{RESIDUALS, RESULTS, UNKNOWNS};
 use crate::displace::MOVING;
 use crate::groups::group_bytes;
@@ -58,6 +58,8 @@ pub struct NearSize {
     pub soft: f64,
     /// Bytes of the tables of lubrication.
     pub tables: f64,
+    /// Whether spheres are lubricated at walls.
+    pub at_walls: bool,
 }
 
 /// Bytes of a particle in the columns of past solutions that the steps of a run keep, those to which a step that fails
@@ -74,7 +76,8 @@ impl NearSize {
         // stresslets of the start or given moments, and ambient motions; the result; a solution, and places of ids.
         let vectors = 8 * (3 * UNKNOWNS + 2 * RESIDUALS + 10 * 6 + 5 + 11 + RESULTS + SOLUTION) + 4;
         let groups = group_bytes(self.particles as usize) as f64;
-        ARGUMENT_BYTES + self.tables + pairs + groups + (ROW_BYTES + vectors) as f64 * self.particles
+        let given = if self.at_walls { GIVEN_BYTES } else { 0 };
+        ARGUMENT_BYTES + self.tables + pairs + groups + (ROW_BYTES + given + vectors) as f64 * self.particles
     }
 }
 

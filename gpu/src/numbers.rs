@@ -18,6 +18,8 @@ pub(crate) struct KernelNumbers {
     pub axes: [f64; 9],
     pub solve_factor: f64,
     pub background: [f64; 5],
+    pub slope: [f64; 2],
+    pub lowest: f64,
     pub force: f64,
     pub torque: f64,
     pub velocity: f64,

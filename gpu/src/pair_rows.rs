@@ -13,6 +13,13 @@ pub const PAIR_NUMBERS: usize = 9;
 /// components xx, xy, xz, yy, yz and zz, and the vector `c` of the coupling `F = Omega x c`, `L = c x U`.
 pub const OWN_NUMBERS: usize = 15;
 
+/// Numbers of the first moment of a sphere at walls across z by its own motion: `X`, `Y` and `H` of
+///
+/// ```text
+/// M_xx = M_yy = -X U_z,    M_xz = Y U_x + H Omega_y,    M_yz = Y U_y - H Omega_x,    M_xy = 0
+/// ```
+pub const WALL_NUMBERS: usize = 3;
+
 /// Threads of a row, as in `gpu/kernels/near.h`.
 pub(crate) const ROW_LANES: usize = 8;
 
@@ -33,6 +40,8 @@ pub struct PairRows {
     pub numbers: Vec<f64>,
     /// Resistance of each particle to its own motion, [`OWN_NUMBERS`] each.
     pub own: Vec<f64>,
+    /// First moment of each particle by its own motion at walls across z, [`WALL_NUMBERS`] each; empty without walls.
+    pub at_walls: Vec<f64>,
 }
 
 /// Selection of near pairs: a bit for each set of `gpu/kernels/task.h`.
@@ -63,6 +72,7 @@ pub(crate) struct RowBuffers {
     pub steps: Buffer,
     pub numbers: Buffer,
     pub own: Buffer,
+    pub at_walls: Buffer,
 }
 
 /// Memory of the tables of lubrication.
@@ -106,6 +116,8 @@ impl KernelTask {
         self.given_others = places.others.fill(on, bytemuck::cast_slice(&rows.others))?;
         self.given_numbers = places.numbers.fill(on, bytemuck::cast_slice(&rows.numbers))?;
         self.given_own = places.own.fill(on, bytemuck::cast_slice(&rows.own))?;
+        let at_walls = bytemuck::cast_slice(&rows.at_walls);
+        self.given_at_walls = if at_walls.is_empty() { 0 } else { places.at_walls.fill(on, at_walls)? };
         Ok(())
     }
 }

@@ -155,6 +155,8 @@ pub struct LatticeShape {
     pub strain: f64,
     /// Tilts `t` and `r`.
     pub tilts: [f64; 2],
+    /// Height of the first point of the grid.
+    pub lowest: f64,
     /// Axes of the box as rows of a matrix that maps components along them to components in space, if they differ.
     pub axes: Option<[f64; 9]>,
     /// Coefficients of the Laplacian along the lattice, of monopoles and dipoles, by class.

@@ -75,6 +75,7 @@ pub struct KernelTask {
     pub(crate) given_others: DeviceAddress,
     pub(crate) given_numbers: DeviceAddress,
     pub(crate) given_own: DeviceAddress,
+    pub(crate) given_at_walls: DeviceAddress,
     pub(crate) surface_laws: DeviceAddress,
     pub(crate) in_flow: DeviceAddress,
     pub(crate) unknowns: DeviceAddress,

@@ -225,7 +225,8 @@ impl Plan {
     /// Bytes of a solve with near pairs on a card, besides those of evaluations, and of the solutions that a run keeps.
     pub(crate) fn near_bytes(&self, particles: f64, pairs: NearPairCounts) -> f64 {
         let [stiff, soft] = [pairs.stiff, pairs.soft].map(|of_one| particles * of_one);
-        let size = NearSize { numbers: self.numbers(), particles, stiff, soft, tables: pairs.tables };
+        let at_walls = self.boundaries.walls() > 0;
+        let size = NearSize { numbers: self.numbers(), particles, stiff, soft, tables: pairs.tables, at_walls };
         size.bytes() + HISTORY_BYTES * particles
     }
 

@@ -7,7 +7,7 @@ use crate::solution::SolveInput;
 use crate::springs::Springs;
 use crate::system::SingleSpheres;
 use crate::units;
-use domain::{Boundaries, DomainView, Particles, PeriodicBox, RemoteHolder};
+use domain::{Boundaries, DomainView, Particles, PeriodicBox, RemoteHolder, Traceless};
 use fcm::{Loads, NearInput, NearTables};
 
 impl CoupledSolver {
@@ -17,7 +17,7 @@ impl CoupledSolver {
         self.pairs_of_host(cell, own, acting, false)
     }
 
-    /// The same, or those by springs alone.
+    /// The same, or those by springs and spheres at walls alone.
     fn pairs_of_host(
         &mut self,
         cell: &PeriodicBox,
@@ -27,16 +27,20 @@ impl CoupledSolver {
     ) -> NearPairs {
         let (units, cell) = (self.units, &cell.scaled(1.0 / self.units.length));
         let SolveInput { strain_rate, springs, bodies, .. } = *acting;
-        let Some(field) = self.near.as_mut().filter(|_| !without_lubrication || springs.is_some()) else {
-            return NearPairs::none(own, cell, &self.partition);
-        };
+        let view = DomainView { cell, partition: &self.partition };
+        let Some(field) = &mut self.near else { return NearPairs::none(own, cell, &self.partition) };
+        if without_lubrication && springs.is_none() {
+            return match &field.at_walls {
+                Some(force) => NearPairs::at_walls(force, own, view, strain_rate),
+                None => NearPairs::none(own, cell, &self.partition),
+            };
+        }
         let resistance = springs.map(|springs| units::resistance(springs, &units));
         let contacts = springs.map(|springs| units::contacts(springs, &units)).unwrap_or_default();
         let tethers = springs.map(|springs| units::tethers(springs, &units)).unwrap_or_default();
         let springs =
             resistance.as_ref().map(|resistance| Springs { resistance, contacts: &contacts, tethers: &tethers });
         let connections = Connections { springs: springs.as_ref(), bodies, without_lubrication };
-        let view = DomainView { cell, partition: &self.partition };
         let mut near = NearPairs::find(field, connections, own, view, strain_rate);
         if let Some(squirming) = acting.squirming {
             near.add_slip(field, &squirming.in_units(&units));
@@ -65,7 +69,8 @@ impl CoupledSolver {
         let tables = || near_tables(self.near.as_ref(), viscosity, &radii);
         let given = (!near.is_empty()).then(|| near.rows());
         let surface = self.surface_laws.as_ref().filter(|_| acting.surface_forces);
-        let input = NearInput { background: acting.strain_rate.at_zero.0, given: given.as_ref(), surface };
+        let StrainRate { at_zero: Traceless(background), slope } = acting.strain_rate;
+        let input = NearInput { background, slope, given: given.as_ref(), surface };
         let mobility = self.far.mobility();
         mobility.follow(cell, particles);
         if let Some(far) = mobility.coupled() {
@@ -86,11 +91,10 @@ impl CoupledSolver {
     }
 
     /// Whether the back end of the far field solves for the motions of free spheres, together with near pairs if there
-    /// are some; the lubrication at walls is on the host.
+    /// are some.
     pub(super) fn solves_on_device(&mut self, acting: &SolveInput) -> bool {
-        let is_free = acting.bodies.is_none() && acting.squirming.is_none() && acting.strain_rate.is_uniform();
-        let are_at_walls = self.near.as_ref().is_some_and(|near| near.at_walls.is_some());
-        is_free && self.preconditioned && !are_at_walls && self.far.mobility().coupled().is_some()
+        let are_free = acting.bodies.is_none() && acting.squirming.is_none();
+        are_free && self.preconditioned && self.far.mobility().coupled().is_some()
     }
 }
 

@@ -2,10 +2,12 @@
 
 mod bodies;
 mod constant_flux;
+mod device_alone;
 mod device_noise;
 mod device_pairs;
 mod device_ranks;
 mod device_surface;
+mod device_walls;
 mod on_device;
 mod springs;
 mod squeezed;

@@ -15,7 +15,7 @@ use crate::six_vector::{SixVector, SixVectors};
 use crate::springs::Springs;
 use domain::parallel::{FusedLoops, change, in_blocks, mapped, stage};
 use domain::{DomainView, Particles, Partition, PeriodicBox, Traceless, Vector};
-use fcm::{PairRows, Precision};
+use fcm::{PairRows, Precision, WALL_NUMBERS};
 use lubrication::WallForce;
 use std::rc::Rc;
 
@@ -127,24 +127,45 @@ impl NearPairs {
         loops.of_rows(&mut loads.0, owned, |_| SixVector::default());
         loops.of_rows(&mut moments, owned, |_| Traceless::ZERO);
         loops.run();
-        let Resisting { mut stiff, soft } = match field.precision {
+        let Resisting { stiff, soft } = match field.precision {
             Precision::Single => Resisting::of(Assembly::<f32>::of_all(&arrangement, &mut loads.0, &mut moments)),
             Precision::Double => Resisting::of(Assembly::<f64>::of_all(&arrangement, &mut loads.0, &mut moments)),
         };
         let at_walls = walls::find(at_walls.as_ref(), springs, particles, cell, strain_rate);
+        let none = Vec::new();
+        let found =
+            Self { around, stiff, soft, at_walls: none, loads, moments, has_traps: false, bodies, on_device: None };
+        found.with_spheres_at_walls(at_walls).with_traps(springs)
+    }
+
+    /// No near pairs but spheres that are lubricated at walls, in a flow with a strain rate. Collective.
+    pub fn at_walls(force: &WallForce, particles: &Particles, view: DomainView, strain_rate: StrainRate) -> Self {
+        let _stage = stage("assembly of near pairs");
+        let at_walls = walls::find(Some(force), None, particles, view.cell, strain_rate);
+        Self::none(particles, view.cell, view.partition).with_spheres_at_walls(at_walls)
+    }
+
+    /// The same with spheres at walls.
+    fn with_spheres_at_walls(mut self, at_walls: Vec<AtWall>) -> Self {
         for at_wall in &at_walls {
             let (load, moment) = at_wall.in_flow;
-            stiff.add_own(at_wall.row, &at_wall.own());
-            loads.0[at_wall.row] += load;
-            moments[at_wall.row] += moment;
+            self.stiff.add_own(at_wall.row, &at_wall.own());
+            self.loads.0[at_wall.row] += load;
+            self.moments[at_wall.row] += moment;
         }
+        Self { at_walls, ..self }
+    }
+
+    /// The same with spheres in the traps of springs.
+    fn with_traps(mut self, springs: Option<&Springs>) -> Self {
         let trapped = springs.map_or(0, |springs| springs.tethers.traps.len());
-        let trap = |row: usize| Some((row, springs?.trap(row)?));
-        let traps: Vec<(usize, f64)> = (0..trapped).filter_map(trap).collect();
-        for &(row, resistance) in &traps {
-            stiff.add_own(row, &DiagonalBlock::against_velocity(resistance));
+        for row in 0..trapped {
+            if let Some(resistance) = springs.and_then(|springs| springs.trap(row)) {
+                self.stiff.add_own(row, &DiagonalBlock::against_velocity(resistance));
+                self.has_traps = true;
+            }
         }
-        Self { around, stiff, soft, at_walls, loads, moments, has_traps: !traps.is_empty(), bodies, on_device: None }
+        self
     }
 
     /// No near pairs, for systems without short-range interactions. Collective.
@@ -196,14 +217,19 @@ impl NearPairs {
         &self.stiff
     }
 
-    /// Rows of stiff pairs, for a device.
+    /// Rows of stiff pairs, and spheres at walls, for a device.
     ///
     /// # Panics
     /// On several ranks, whose pairs have ghosts.
     pub fn rows(&self) -> PairRows {
         let count = self.moments.len();
         assert_eq!(self.around.positions.len(), count, "a device serves one rank");
-        self.stiff.rows(count)
+        let mut at_walls = vec![[0.0; WALL_NUMBERS]; if self.at_walls.is_empty() { 0 } else { count }];
+        for at_wall in &self.at_walls {
+            let numbers = at_walls[at_wall.row].iter_mut().zip(at_wall.moment_numbers());
+            numbers.for_each(|(sum, number)| *sum += number);
+        }
+        PairRows { at_walls: at_walls.into_flattened(), ..self.stiff.rows(count) }
     }
 
     /// Stiff pairs as parts of the resistance of bodies; `None` without short-range interactions, on all ranks.

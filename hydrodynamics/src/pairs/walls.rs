@@ -6,6 +6,7 @@ use crate::six_vector::{SixVector, SixVectors};
 use crate::springs::Springs;
 use domain::parallel::{MeasuredLoop, concat};
 use domain::{Particles, PeriodicBox, ToWall, Traceless, Vector};
+use fcm::WALL_NUMBERS;
 use lubrication::{PairKind, SphereLoads, SurfaceSlip, WallCoefficients, WallForce};
 use rayon::prelude::*;
 
@@ -120,6 +121,12 @@ impl AtWall {
         (by_motion + self.in_flow.0.linear()) * self.distance.powi(2)
     }
 
+    /// Numbers of [`Self::moment`] as [`fcm::PairRows::at_walls`] has them.
+    pub fn moment_numbers(&self) -> [f64; WALL_NUMBERS] {
+        let WallCoefficients { xg, yg, yh, .. } = self.resistance;
+        [xg * self.axis.z, yg * self.axis.z, yh]
+    }
+
     /// First moment due to the motions.
     pub fn moment(&self, motions: &SixVectors) -> Traceless {
         let motion = motions.0[self.row];
@@ -160,6 +167,23 @@ mod tests {
             let loads = at.own().times(motion.map(|v| v.to_array()));
             let wanted = SixVector::new(expected.force, expected.torque).0;
             assert!(loads.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-12 * wanted[2].abs()), "{loads:?}");
+        }
+    }
+
+    /// The numbers of first moments give the moments by any motion.
+    #[test]
+    fn numbers_give_the_first_moment() {
+        let force = WallForce::new(1.0, LubricationRange::default());
+        let (velocity, turning) = (Vector::new(0.3, -0.2, 0.9), Vector::new(-0.4, 0.8, 0.1));
+        let motions = SixVectors(vec![SixVector::new(velocity, turning); 3]);
+        let found = find(Some(&force), None, &spheres(), &cell(), StrainRate::default());
+        assert_eq!(found.len(), 2);
+        for at in &found {
+            let [x, y, h] = at.moment_numbers();
+            let (xx, xz, yz) = (-x * velocity.z, y * velocity.x + h * turning.y, y * velocity.y - h * turning.x);
+            let expected = at.moment(&motions).0;
+            let difference = [xx, 0.0, xz, xx, yz].into_iter().zip(expected).map(|(a, b)| (a - b).abs());
+            assert!(difference.fold(0.0, f64::max) < 1e-13 * expected[2].abs(), "{:?} {expected:?}", [xx, xz, yz]);
         }
     }
 

@@ -73,8 +73,15 @@ impl Suspension {
         CoupledSolver::of(far, partition, lubricated_at(Some(LubricationRange::default()))).unwrap()
     }
 
+    /// The same in double precision, to another tolerance.
+    pub(super) fn with_tolerance(&self, iteration_tolerance: f64) -> Self {
+        let Self { cell, particles, plan } = self;
+        let plan = Plan { iteration_tolerance, precision: Precision::Double, ..plan.clone() };
+        Self { cell: *cell, particles: particles.clone(), plan }
+    }
+
     /// Solutions in shear, then of settling spheres with random torques in ambient motions, from the first as a guess.
-    fn solutions(&self, mut solver: CoupledSolver) -> [Solution; 2] {
+    pub(super) fn solutions(&self, mut solver: CoupledSolver) -> [Solution; 2] {
         let mut numbers = Random::new(7, 0);
         let mut vector = || Vector::from_array(std::array::from_fn(|_| numbers.uniform() - 0.5));
         let none = Loads::default();
@@ -95,17 +102,6 @@ impl Suspension {
         let guess = Guess { stresslets_far: first.far.stresslets.clone(), ..Guess::induced_by(&first.motion) };
         [first, solver.solve(&self.cell, &self.particles, &settling, guess).unwrap()]
     }
-}
-
-/// With lubrication at walls the iteration is on the host.
-#[test]
-fn solutions_between_walls_are_those_of_the_host() {
-    let walls = |edge| PeriodicBox::new(Vector::splat(edge)).unwrap().with_boundaries(Boundaries::Walls).unwrap();
-    let suspension = Suspension::within(walls, Precision::Double, 1e-6);
-    let height = suspension.cell.edges().z;
-    let at_wall = |(x, a): (&Vector, &f64)| x.z.min(height - x.z) < 1.3 * a;
-    assert!(suspension.particles.positions.iter().zip(&suspension.particles.radii).any(at_wall));
-    agree(&suspension, Precision::Double, 1e-6);
 }
 
 /// Squirmers and a rigid body, whose solves iterate on the host.
@@ -178,7 +174,7 @@ pub(super) fn relative(found: &[f64], exact: &[f64]) -> f64 {
 fn solutions_are_those_of_the_host() {
     let sheared = |edge| PeriodicBox::sheared(Vector::splat(edge), 0.3).unwrap();
     for (precision, iteration) in [(Precision::Double, 1e-6), (Precision::Single, 1e-4)] {
-        agree(&Suspension::within(sheared, precision, iteration), precision, iteration);
+        agree(&Suspension::within(sheared, precision, iteration));
     }
 }
 
@@ -186,17 +182,19 @@ fn solutions_are_those_of_the_host() {
 #[test]
 fn solutions_in_unbounded_fluid_are_those_of_the_host() {
     let open = |edge| PeriodicBox::new(Vector::splat(edge)).unwrap().with_boundaries(Boundaries::Open).unwrap();
-    agree(&Suspension::within(open, Precision::Double, 1e-4), Precision::Double, 1e-4);
+    agree(&Suspension::within(open, Precision::Double, 1e-4));
 }
 
 /// Errors of the device by solutions of the host in double precision, to a smaller tolerance.
-fn agree(suspension: &Suspension, precision: Precision, iteration: f64) {
-    let Suspension { cell, particles, plan } = suspension;
-    let plan = Plan { iteration_tolerance: 1e-2 * iteration, precision: Precision::Double, ..plan.clone() };
-    let fine = Suspension { cell: *cell, particles: particles.clone(), plan };
-    let exact = fine.solutions(fine.on_host());
-    let of_host = suspension.solutions(suspension.on_host());
-    let found = suspension.solutions(suspension.on(emulator(11)));
+fn agree(suspension: &Suspension) {
+    agree_in(suspension, |solver| suspension.solutions(solver));
+}
+
+/// The same for any solutions.
+pub(super) fn agree_in(suspension: &Suspension, solutions: impl Fn(CoupledSolver) -> [Solution; 2]) {
+    let Plan { precision, iteration_tolerance: iteration, .. } = suspension.plan;
+    let fine = suspension.with_tolerance(1e-2 * iteration);
+    let [exact, of_host, found] = [fine.on_host(), suspension.on_host(), suspension.on(emulator(11))].map(solutions);
     for ((found, of_host), exact) in found.iter().zip(&of_host).zip(&exact) {
         assert!(found.iterations > 3 && found.iterations <= of_host.iterations + 2, "{}", found.iterations);
         let all = columns(found).into_iter().zip(columns(of_host)).zip(columns(exact));
@@ -335,7 +333,14 @@ fn memory_is_as_predicted() {
     assert!(stiff > 0.0 && soft > 0.0);
     let tables = lubrication_of(&solver).tables(1.0, Vec::new());
     let tables = (size_of_val(&tables.kinds[..]) + size_of_val(&tables.series[..])) as f64;
-    let size = NearSize { numbers: NumberFormat::Single, particles: particles.len() as f64, stiff, soft, tables };
+    let size = NearSize {
+        numbers: NumberFormat::Single,
+        particles: particles.len() as f64,
+        stiff,
+        soft,
+        tables,
+        at_walls: false,
+    };
     // Sums of blocks and the resistances of single spheres are left out.
     assert!((size.bytes()..size.bytes() + 500.0).contains(&found), "{found} bytes, {} expected", size.bytes());
 }

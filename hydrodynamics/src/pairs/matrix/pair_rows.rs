@@ -13,7 +13,7 @@ const NUMBERS: usize = 9;
 type RowPair = (u32, [f64; NUMBERS]);
 
 impl<T: StoredLanes> PairMatrix<T> {
-    /// Rows of `count` particles. All of them are in the matrix, or none.
+    /// Rows of `count` particles, without first moments at walls. All of them are in the matrix, or none.
     pub fn rows(&self, count: usize) -> PairRows {
         let mut pairs: Vec<Vec<RowPair>> = vec![Vec::new(); count];
         for (part, pairs) in self.parts.iter().zip(pairs.chunks_mut(ROWS)) {
@@ -28,7 +28,8 @@ impl<T: StoredLanes> PairMatrix<T> {
         let mut own: Vec<f64> = own.collect();
         own.resize(count * DiagonalBlock::OWN_NUMBERS, 0.0);
         let numbers = (0..NUMBERS).flat_map(|k| pairs.iter().flatten().map(move |(_, numbers)| numbers[k])).collect();
-        PairRows { starts, others: pairs.iter().flatten().map(|&(other, _)| other as i32).collect(), numbers, own }
+        let others = pairs.iter().flatten().map(|&(other, _)| other as i32).collect();
+        PairRows { starts, others, numbers, own, ..PairRows::default() }
     }
 }
 

@@ -124,6 +124,7 @@ impl PlanTables {
             edges: cell.edges().to_array(),
             strain: cell.strain(),
             tilts: cell.tilts(),
+            lowest: self.first_point.z,
             axes: cell.axes().map(|axes| axes.transpose().to_cols_array()),
             smoothing: (0..self.envelopes.len()).map(smoothing).collect(),
             levels: std::array::from_fn(|axis| self.levels(axis)),
