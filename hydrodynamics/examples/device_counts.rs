@@ -1,6 +1,6 @@
-//! Counts what a card does in solves with and without lubrication and in a draw of random motions, by an emulator that runs its
-//! kernels: copies, launches, and the memory that kernels read and write. A sector of 32 bytes counts once in a run of
-//! a kernel; transforms pass over their data once for each axis.
+//! Counts what a card does in solves with and without lubrication and in a draw of random motions, by an emulator that
+//! runs its kernels: copies, launches, and the memory that kernels read and write. A sector of 32 bytes counts once in
+//! a run of a kernel; transforms pass over their data once for each axis.
 //!
 //!     cargo run --package fcm-solve-hydrodynamics --example device_counts
 

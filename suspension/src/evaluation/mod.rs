@@ -285,8 +285,8 @@ impl Dynamics {
         self.forces.solved(particles, &solved, moment.clock.step())
     }
 
-    /// Loads, implicit resistances and ambient motions by all forces, with the near pairs. Particles that move where the
-    /// far field is evaluated have only loads that are there. Collective.
+    /// Loads, implicit resistances and ambient motions by all forces, with the near pairs. Particles that move where
+    /// the far field is evaluated have only loads that are there. Collective.
     fn acting(
         &mut self,
         particles: &mut Particles,
