@@ -1,5 +1,6 @@
 //! Implicit treatment of short-range forces.
 
+use domain::parallel::RowLists;
 use lubrication::PairKind;
 
 /// Short-range forces, taken implicitly, at the end of a time `t`: between particles that separate at the rate `w`, a
@@ -9,7 +10,7 @@ pub struct Springs<'a> {
     /// Resistance, force over velocity, of two particles or of a particle and a wall, as a function of the distance.
     pub resistance: &'a (dyn Fn(f64, PairKind) -> f64 + Sync),
     /// Contacts of each particle of the rank, in their order; or empty.
-    pub contacts: &'a [Vec<ContactSprings>],
+    pub contacts: &'a RowLists<ContactSprings>,
     /// Bonds and traps.
     pub tethers: &'a TetherResistance,
 }
@@ -63,7 +64,7 @@ pub struct PairSprings {
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct TetherResistance {
     /// Resistances of bonds, particle by particle.
-    pub bonds: Vec<Vec<BondSprings>>,
+    pub bonds: RowLists<BondSprings>,
     /// Resistances of traps.
     pub traps: Vec<f64>,
 }
@@ -86,8 +87,8 @@ impl Springs<'_> {
     /// Resistances of a particle, by its row, and another, by its id.
     pub fn between(&self, row: usize, other: u64, distance: f64, radii: [f64; 2]) -> PairSprings {
         let [along, slip, rolling] = self.of(row, other, distance, radii.into());
-        let mut bonds = self.tethers.bonds.get(row).into_iter().flatten();
-        let bond = bonds.find(|bond| bond.other == other && distance < bond.within);
+        let bonds = self.tethers.bonds.of(row);
+        let bond = bonds.iter().find(|bond| bond.other == other && distance < bond.within);
         let [stretching, bending, twisting] =
             bond.map_or([0.0; 3], |bond| [bond.resistance, bond.bending, bond.twisting]);
         PairSprings { along: along + stretching, slip, rolling, bending, twisting }
@@ -100,7 +101,7 @@ impl Springs<'_> {
 
     /// Resistances without bonds: along the line of centres, to slip, and to rolling.
     fn of(&self, row: usize, other: u64, distance: f64, between: PairKind) -> [f64; 3] {
-        let contact = self.contacts.get(row).and_then(|all| all.iter().find(|contact| contact.other == other));
+        let contact = self.contacts.of(row).iter().find(|contact| contact.other == other);
         let [normal, tangential, rolling] = contact.map_or([0.0; 3], |c| [c.normal, c.tangential, c.rolling]);
         [(self.resistance)(distance, between) + normal, tangential, rolling]
     }

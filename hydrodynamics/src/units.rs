@@ -5,7 +5,7 @@ use crate::six_vector::SixVector;
 use crate::solution::{NO_AMBIENT, StoredSolution};
 use crate::springs::{BondSprings, TetherResistance};
 use crate::springs::{ContactSprings, Springs};
-use domain::parallel::{FusedLoops, mapped};
+use domain::parallel::{FusedLoops, RowLists, mapped};
 use domain::{Particles, Traceless, Units, Vector};
 use fcm::{Loads, Mobility, Motion, Multipoles, Output};
 use lubrication::PairKind;
@@ -95,9 +95,8 @@ pub fn resistance<'a>(springs: &'a Springs<'a>, units: &Units) -> impl Fn(f64, P
 }
 
 /// Contact springs of a rank's particles in scaled units.
-pub fn contacts(springs: &Springs, units: &Units) -> Vec<Vec<ContactSprings>> {
-    let of_one = |all: &Vec<ContactSprings>| all.iter().map(|contact| contact.times(units.velocity())).collect();
-    mapped(springs.contacts, of_one)
+pub fn contacts(springs: &Springs, units: &Units) -> RowLists<ContactSprings> {
+    springs.contacts.mapped(|contact| contact.times(units.velocity()))
 }
 
 /// Bonds and traps of a rank's particles in scaled units.
@@ -110,10 +109,7 @@ pub fn tethers(springs: &Springs, units: &Units) -> TetherResistance {
         twisting: bond.twisting * (units.rate() / units.torque()),
         ..*bond
     };
-    TetherResistance {
-        bonds: mapped(bonds, |all| all.iter().map(bond).collect()),
-        traps: mapped(traps, |trap| trap * units.velocity()),
-    }
+    TetherResistance { bonds: bonds.mapped(bond), traps: mapped(traps, |trap| trap * units.velocity()) }
 }
 
 /// Particles in scaled units, without their columns.

@@ -5,14 +5,15 @@
 //! one load of an atomic more than without, and a stage another. Results have the same bits in either case.
 //!
 //! Lists that grow with particles, points or pairs are made, copied, compared and joined by the functions of this
-//! module ([`mapped`], [`concat()`], [`SortedRows`] and others), with the same result on any number of threads; several
-//! lists are made in one loop by [`FusedLoops`].
+//! module ([`mapped`], [`concat()`], [`SortedRows`], [`RowLists`] and others), with the same result on any number of
+//! threads; several lists are made in one loop by [`FusedLoops`].
 
 mod fused;
 mod iterator;
 mod lists;
 mod profile;
 mod recorder;
+mod row_lists;
 mod sorted_rows;
 
 pub use fused::FusedLoops;
@@ -23,6 +24,7 @@ pub use lists::{
 };
 pub use profile::{LoopProfile, Machine, ParallelProfile, SerialPiece, StageProfile};
 pub use recorder::{MeasuredStage, TaskClock, measure, parts, sort, stage, wall_clock};
+pub use row_lists::RowLists;
 pub use sorted_rows::{SortedRows, check_row_numbers};
 
 #[cfg(test)]

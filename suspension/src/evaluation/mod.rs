@@ -328,7 +328,7 @@ impl Dynamics {
         moment: &StageTime,
     ) -> Result<Solution, StepError> {
         let resistance = |distance: f64, between: PairKind| resistances.of_pair(distance, between);
-        let (contacts, tethers) = (&resistances.contacts[..], &resistances.tethers);
+        let (contacts, tethers) = (&resistances.contacts, &resistances.tethers);
         let springs = moment.implicit.map(|_| Springs { resistance: &resistance, contacts, tethers });
         let (input, constant_flux) = (SolveInput::new(loads, self.moving.strain_rate()), self.moving.keeps_flux());
         let (bodies, squirming) = (self.bodies(particles), self.squirming(particles));

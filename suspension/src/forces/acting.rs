@@ -2,6 +2,7 @@
 
 use crate::flow::periodic_cell::PeriodicCell;
 use crate::neighbourhood::{NeighbourLists, PairsWithHalo};
+use domain::parallel::RowLists;
 use domain::{DomainView, Particles, Traceless, Vector};
 use fcm::{Loads, Motion};
 use hydrodynamics::TetherResistance;
@@ -97,7 +98,7 @@ pub type ResistanceFunction = Box<dyn Fn(f64, PairKind) -> f64 + Send + Sync>;
 pub struct Resistances {
     pairs: Vec<ResistanceFunction>,
     /// Resistances of contacts, particle by particle.
-    pub contacts: Vec<Vec<ContactSprings>>,
+    pub contacts: RowLists<ContactSprings>,
     /// Resistances of bonds and traps.
     pub tethers: TetherResistance,
 }
@@ -109,10 +110,14 @@ impl Resistances {
     }
 
     /// Adds resistances of bonds, particle by particle.
-    pub fn add_bonds(&mut self, bonds: Vec<Vec<BondSprings>>) {
+    pub fn add_bonds(&mut self, bonds: RowLists<BondSprings>) {
         let all = &mut self.tethers.bonds;
-        all.resize_with(bonds.len().max(all.len()), Vec::new);
-        all.iter_mut().zip(bonds).for_each(|(all, bonds)| all.extend(bonds));
+        if all.rows() == 0 {
+            *all = bonds;
+            return;
+        }
+        let joined = |row: usize, list: &mut Vec<_>| list.extend([&*all, &bonds].into_iter().flat_map(|of| of.of(row)));
+        *all = RowLists::of_rows(bonds.rows().max(all.rows()), joined);
     }
 
     /// The sum of the functions of pairs at a distance.

@@ -6,6 +6,7 @@ use crate::ambient::StrainRate;
 use crate::pairs::search::{NearPairs, Pairs};
 use crate::springs::TetherResistance;
 use domain::Boundaries;
+use domain::parallel::RowLists;
 use lubrication::PairKind;
 
 const HEIGHT: f64 = 9.0;
@@ -93,7 +94,7 @@ fn a_curvature_that_is_given_moves_spheres_alike() {
             PairKind::Wall(radius) => unit * 30.0 * (1.0 - distance / (1.2 * radius)).max(0.0),
         };
         let tethers = TetherResistance::default();
-        let springs = Springs { resistance: &stiffness, contacts: &[], tethers: &tethers };
+        let springs = Springs { resistance: &stiffness, contacts: &RowLists::default(), tethers: &tethers };
         let forces: Vec<Vector> = (0..3).map(|i| unit * unit * Vector::new(3.0, -0.5 * f64::from(i), 0.3)).collect();
         let loads = Loads { forces, ..Loads::default() };
         // Flow of the fluid alone.
@@ -138,7 +139,7 @@ fn against(springs: &Springs, particles: &Particles, plan: &Plan, reach: f64, mo
     let units = without.units;
     let own = crate::units::particles(particles, &units);
     let resistance = crate::units::resistance(springs, &units);
-    let springs = Springs { resistance: &resistance, contacts: &[], tethers: springs.tethers };
+    let springs = Springs { resistance: &resistance, contacts: &RowLists::default(), tethers: springs.tethers };
     let view = DomainView { cell: &plan.cell().scaled(1.0 / units.length), partition: &partition };
     let near = NearPairs::find(
         field,

@@ -364,8 +364,8 @@ fn springs_and_traps_are_in_the_rows() {
     };
     let mut bonds = vec![Vec::new(); particles.len()];
     (bonds[2], bonds[far]) = (vec![bond(far)], vec![bond(2)]);
-    let tethers = TetherResistance { bonds, traps };
-    let springs = Springs { resistance: &resistance, contacts: &contacts, tethers: &tethers };
+    let tethers = TetherResistance { bonds: bonds.into_iter().collect(), traps };
+    let springs = Springs { resistance: &resistance, contacts: &contacts.into_iter().collect(), tethers: &tethers };
     let none = Loads::default();
     let input = SolveInput { springs: Some(&springs), ..acting(&none, Traceless([0.0, 0.5, 0.0, 0.0, 0.0])) };
     let free = acting(&none, input.strain_rate.at_zero);

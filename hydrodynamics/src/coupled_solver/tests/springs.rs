@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::springs::{ContactSprings, TetherResistance};
+use domain::parallel::RowLists;
 use lubrication::PairKind;
 
 /// The motions with contacts equal those without, under the forces and torques that the contact springs exert in these
@@ -28,9 +29,10 @@ fn contacts_push_and_turn_as_the_motions_say() {
             let k = unit * (i + j + 2) as f64;
             ContactSprings { other: particles.ids[j], normal: 3.0 * k, tangential: 5.0 * k, rolling: 2.0 * k }
         };
-        let of_one = |i: usize| (0..count).filter(|&j| touch(i, j).is_some()).map(|j| springs(i, j)).collect();
-        let contacts: Vec<Vec<ContactSprings>> = (0..count).map(of_one).collect();
-        assert!(contacts.iter().map(Vec::len).sum::<usize>() >= 4, "some touch");
+        let contacts = RowLists::of_rows(count, |i, list| {
+            list.extend((0..count).filter(|&j| touch(i, j).is_some()).map(|j| springs(i, j)));
+        });
+        assert!(contacts.items().len() >= 4, "some touch");
         let lubrication = Some(LubricationRange::new(2.5, 1e-6).unwrap());
         let mut fluid =
             CoupledSolver::new(&plan, &partition, ShortRange { lubrication, ..ShortRange::default() }).unwrap();
@@ -97,7 +99,8 @@ fn springs_push_as_the_motions_say() {
             PairKind::Wall(_) => 0.0,
         };
         let tethers = TetherResistance::default();
-        let sprung = solve(&forces, Some(&Springs { resistance: &between, contacts: &[], tethers: &tethers }));
+        let sprung =
+            solve(&forces, Some(&Springs { resistance: &between, contacts: &RowLists::default(), tethers: &tethers }));
         let mut pushed = forces.clone();
         for i in 0..particles.len() {
             for j in (0..particles.len()).filter(|&j| j != i) {

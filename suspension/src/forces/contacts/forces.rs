@@ -1,7 +1,7 @@
 //! Forces of individual contacts.
 
 use super::touching::Touching;
-use domain::{Particles, Vector};
+use domain::Vector;
 use lubrication::Contact;
 use simulation::{ContactForce, ContactState};
 
@@ -9,9 +9,8 @@ use simulation::{ContactForce, ContactState};
 /// the tangential force, and the state.
 pub const FORCE_NUMBERS: usize = 13;
 
-/// The numbers of a contact as seen by its particle.
-pub(super) fn numbers(law: &Contact, contact: &Touching, particles: &Particles) -> [f64; FORCE_NUMBERS] {
-    let row = contact.rows[0];
+/// The numbers of a contact as seen by its particle, of an id and at a position.
+pub(super) fn numbers(law: &Contact, contact: &Touching, id: u64, position: Vector) -> [f64; FORCE_NUMBERS] {
     let normal = law.force(contact.overlap, contact.between);
     let state = match contact.memory.shares[0] {
         _ if law.coulomb_limit(normal) <= 0.0 => ContactState::Frictionless,
@@ -19,8 +18,8 @@ pub(super) fn numbers(law: &Contact, contact: &Touching, particles: &Particles) 
         _ => ContactState::Sticking,
     };
     of(&ContactForce {
-        ids: [particles.ids[row], contact.other],
-        position: particles.positions[row],
+        ids: [id, contact.other],
+        position,
         separation: contact.separation,
         normal,
         tangential: contact.memory.force,

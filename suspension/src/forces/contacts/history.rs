@@ -50,21 +50,15 @@ pub fn recall(column: &Column, row: usize, id: u64) -> Option<Memory> {
     })
 }
 
-/// Fills the slots of a row. Returns whether there are enough slots.
-pub fn note(column: &mut Column, row: usize, contacts: impl Iterator<Item = (u64, Memory)>) -> bool {
-    let width = column.width;
-    let of_row = &mut column.values[row * width..][..width];
-    of_row.fill(0.0);
-    let mut slots = of_row.as_chunks_mut::<CONTACT_NUMBERS>().0.iter_mut();
-    for (id, memory) in contacts {
-        let Some(slot) = slots.next() else { return false };
+/// Fills slots of a row that are empty, at least as many as there are contacts.
+pub fn note<'a>(of_row: &mut [f64], contacts: impl Iterator<Item = (u64, &'a Memory)>) {
+    for (slot, (id, memory)) in of_row.as_chunks_mut::<CONTACT_NUMBERS>().0.iter_mut().zip(contacts) {
         slot[0] = (id + 1) as f64;
         slot[1..4].copy_from_slice(&memory.force.to_array());
         slot[4..7].copy_from_slice(&memory.rolling.to_array());
         slot[7] = memory.normal;
         slot[8..].copy_from_slice(&memory.shares);
     }
-    true
 }
 
 /// Replaces the current contacts by those found last.
@@ -85,9 +79,9 @@ mod tests {
             particles.push(id, Vector::ZERO, 1.0, 0);
         }
         let memory = Memory { force: Vector::X, rolling: Vector::Y, normal: 2.0, shares: [0.5, 1.0] };
-        let column = particles.column(FOUND, 2 * CONTACT_NUMBERS);
-        assert!(note(column, 1, [(0, memory), (2, Memory::default())].into_iter()));
-        assert!(!note(column, 2, [(0, memory), (1, memory), (5, memory)].into_iter()), "there are two slots");
+        let width = 2 * CONTACT_NUMBERS;
+        let of_row = &mut particles.column(FOUND, width).values[width..2 * width];
+        note(of_row, [(0, &memory), (2, &Memory::default())].into_iter());
         keep(&mut particles);
         let column = particles.column(CONTACTS, 2 * CONTACT_NUMBERS).clone();
         assert_eq!(recall(&column, 1, 0), Some(memory));

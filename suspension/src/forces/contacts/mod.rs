@@ -2,9 +2,13 @@
 
 mod flow;
 mod forces;
+mod forcing;
 mod history;
+mod prediction;
 mod statistics;
 mod stiffness_adaptation;
+#[cfg(test)]
+mod tests;
 mod touching;
 mod warnings;
 
@@ -15,18 +19,17 @@ use crate::model::Model;
 use crate::model::radii::Radii;
 use crate::neighbourhood::NeighbourLists;
 use crate::scalars::ADAPTATION_NUMBERS;
-use domain::parallel::stage;
-use domain::{DomainView, ExpectedCounts, Failure, Particles, Tensor, Vector};
-use fcm::{Loads, Motion};
-use flow::{ContactFlow, strained};
+use domain::parallel::{RowLists, stage};
+use domain::{DomainView, ExpectedCounts, Failure, Particles, Tensor};
+use fcm::Loads;
 pub use forces::{FORCE_NUMBERS, contact_force, of as force_numbers};
+use forcing::ContactForcing;
 pub use history::keep;
-use history::{CONTACT_NUMBERS, FOUND, Memory, most_contacts, note};
-use hydrodynamics::ContactSprings;
+use history::{CONTACT_NUMBERS, most_contacts};
 use lubrication::Contact;
 pub use statistics::ContactStatistics;
 pub use stiffness_adaptation::StiffnessAdaptation;
-use touching::{AllTouching, Touching, across};
+use touching::AllTouching;
 
 /// The contacts of a suspension.
 pub struct Contacts {
@@ -57,7 +60,8 @@ impl Force for Contacts {
 
     fn add_loads(&mut self, at: &mut Instant, acting: &mut Acting) -> Result<(), Failure> {
         let _stage = stage("contacts");
-        let forcing = self.acting(at);
+        let touching = self.touching(at.particles, at.domain, at.lists);
+        let forcing = ContactForcing::new(&self.law, touching, at);
         forcing.add_to(&mut acting.loads);
         if at.prediction.is_some() {
             acting.resistances.contacts = forcing.springs();
@@ -84,11 +88,19 @@ impl Force for Contacts {
 
     fn solved(&mut self, particles: &mut Particles, solved: &SolvedMotion) -> Result<(), Failure> {
         let Some(forcing) = self.forcing.take() else { return Ok(()) };
+        self.shear_moment = 0.0;
+        if !solved.is_implicit && !solved.is_stress_controlled {
+            return Ok(());
+        }
+        let _stage = stage("contacts");
+        let ends = forcing.ends(solved.motion);
         if solved.is_implicit {
-            let noted = forcing.note(particles, solved.motion);
+            let noted = forcing.note(particles, self.slots, &ends);
             solved.domain.comm().agree(noted)?;
         }
-        self.shear_moment = if solved.is_stress_controlled { forcing.shear_moment(solved.motion) } else { 0.0 };
+        if solved.is_stress_controlled {
+            self.shear_moment = forcing.shear_moment(&ends);
+        }
         Ok(())
     }
 
@@ -106,57 +118,6 @@ impl Force for Contacts {
         warnings::warnings(model, radii)
     }
 }
-
-/// Times over which contact forces are predicted: from the positions of the evaluation for springs along the line of
-/// centres, and from the start of the substep for tangential springs.
-#[derive(Debug, Clone, Copy)]
-struct PredictionTimes {
-    along: f64,
-    across: f64,
-}
-
-/// Contacts at the positions of an evaluation, with forces predicted for the end of the substep.
-///
-/// With `w` the rate at which the centres separate, `w*` its expected value and `d*` the overlap at the positions that
-/// `w*` leads to, the normal force is `F_n(d*) - t k (w - w*)`, linear in the unknown velocities. With `f` the
-/// tangential force at the start of the substep `h`, `v` the slip velocity and `v*` the one of the previous solution,
-/// the tangential force is
-///
-/// ```text
-/// f + h k_t v                    if the contact was sticking at the start
-/// f + s/2 h k_t (v - v*)         if it was sliding
-/// ```
-///
-/// where `s` is the force allowed by friction over the force of the spring, at the start. The force at the end is the
-/// spring force, `f + h k_t v`, limited by friction under the normal force at the end. A contact that slides steadily
-/// thus keeps its force in any direction of sliding, and a change of direction is followed within some substeps: the
-/// derivative of the limited force is `s h k_t` across the slip and zero along it, and half of `s h k_t` makes both
-/// converge about equally fast.
-struct ContactForcing {
-    law: Contact,
-    slots: usize,
-    ahead: PredictionTimes,
-    touching: AllTouching,
-    /// Expected motion of each contact in `touching`.
-    expected: Vec<Expected>,
-    flow: ContactFlow,
-}
-
-/// Expected relative motion at a contact.
-#[derive(Debug, Clone, Copy)]
-struct Expected {
-    /// Rate at which the centres separate.
-    separation_rate: f64,
-    /// Slip velocity and rolling velocity, from the previous solution.
-    slip: Vector,
-    rolling: Vector,
-}
-
-/// Fraction of the derivative of a limited friction force that is treated implicitly.
-const CUT: f64 = 0.5;
-
-/// Row of a particle, id of the other, and the state of their contact at the end of the substep.
-type End = (usize, u64, Memory);
 
 impl Contacts {
     /// The contacts of a model.
@@ -232,29 +193,6 @@ impl Contacts {
         self.set_adaptation(Some(adaptation));
     }
 
-    /// Contacts of an evaluation, from the expected velocities relative to the flow, the expected change of the flow,
-    /// and the motions of the previous solution. Collective.
-    fn acting(&self, at: &Instant) -> ContactForcing {
-        let (flow, before) = (ContactFlow::of(at.flow), at.previous);
-        let ahead = PredictionTimes {
-            along: at.prediction.map_or(0.0, |prediction| prediction.time),
-            across: at.prediction.map_or(0.0, |_| at.since_last_solution),
-        };
-        let expected = at.prediction.map_or(&[][..], |prediction| prediction.velocities);
-        let touching = self.touching(at.particles, at.domain, at.lists);
-        let separation_rate = touching.extended(expected);
-        let velocities = touching.extended(&before.velocities);
-        let angular = touching.extended(&before.angular_velocities);
-        let of_one = |contact: &Touching| Expected {
-            separation_rate: contact.separation_rate(&separation_rate)
-                + contact.axis.dot(strained(contact, flow.besides)),
-            slip: contact.slip(&velocities, &angular, flow.strained(contact)),
-            rolling: contact.rolling(&angular) + flow.rolled(contact),
-        };
-        let expected = touching.list.iter().map(of_one).collect();
-        ContactForcing { law: self.law, slots: self.slots, ahead, touching, expected, flow }
-    }
-
     /// Forces of the contacts of this rank's particles with others of higher id, as rows of numbers that
     /// [`contact_force`] reads. Collective.
     pub fn forces(
@@ -263,110 +201,17 @@ impl Contacts {
         domain: DomainView,
         lists: &NeighbourLists,
     ) -> Vec<[f64; FORCE_NUMBERS]> {
-        let touching = self.touching(particles, domain, lists);
-        let own = |contact: &&Touching| particles.ids[contact.rows[0]] < contact.other;
-        touching.list.iter().filter(own).map(|contact| forces::numbers(&self.law, contact, particles)).collect()
+        let (law, ids, positions) = (&self.law, &particles.ids[..], &particles.positions[..]);
+        let contacts = &self.touching(particles, domain, lists).list;
+        let own = RowLists::of_rows(contacts.rows(), |row, list| {
+            let of_row = contacts.of(row).iter().filter(|contact| ids[row] < contact.other);
+            list.extend(of_row.map(|contact| forces::numbers(law, contact, ids[row], positions[row])));
+        });
+        own.into_items()
     }
 
     /// Averages and totals over the contacts. Collective.
     pub fn measured(&self, particles: &Particles, domain: DomainView, lists: &NeighbourLists) -> ContactStatistics {
         ContactStatistics::of(&self.law, &self.touching(particles, domain, lists), particles)
     }
-}
-
-impl ContactForcing {
-    /// Adds the known part of contact forces and torques to the loads on this rank's particles.
-    fn add_to(&self, loads: &mut Loads) {
-        let owned = self.touching.present.owned();
-        loads.forces.resize(owned, Vector::ZERO);
-        loads.torques.resize(owned, Vector::ZERO);
-        for (contact, expected) in self.touching.list.iter().zip(&self.expected) {
-            let [along, slip, roll] = self.resistances(contact);
-            let normal = self.law.force(contact.overlap, contact.between) + along * expected.separation_rate;
-            let [slides, rolls] = contact.memory.shares.map(|share| if share < 1.0 { 1.0 } else { 0.0 });
-            let mut memory = contact.memory;
-            memory.force += slip * (across(self.flow.strained(contact), contact.axis) - slides * expected.slip);
-            memory.rolling += roll * (self.flow.rolled(contact) - rolls * expected.rolling);
-            let [force, torque] = contact.load(normal, &memory);
-            loads.forces[contact.rows[0]] += force;
-            loads.torques[contact.rows[0]] += torque;
-        }
-    }
-
-    /// Implicit resistance of the contacts, particle by particle.
-    fn springs(&self) -> Vec<Vec<ContactSprings>> {
-        let mut springs = vec![Vec::new(); self.touching.present.owned()];
-        for contact in &self.touching.list {
-            let [normal, tangential, rolling] = self.resistances(contact);
-            springs[contact.rows[0]].push(ContactSprings { other: contact.other, normal, tangential, rolling });
-        }
-        springs
-    }
-
-    /// Stores the state of the contacts at the end of the substep, from motions relative to the flow; [`keep`] makes it
-    /// the current state. Fails if a particle has more contacts than slots. Collective.
-    fn note(&self, particles: &mut Particles, motion: &Motion) -> Result<(), String> {
-        let ends = self.ends(motion);
-        let ids = particles.ids.clone();
-        let column = particles.column(FOUND, CONTACT_NUMBERS * self.slots);
-        let mut rest = &ends[..];
-        for (row, id) in ids.iter().enumerate() {
-            let (own, others) = rest.split_at(rest.partition_point(|(other, ..)| *other <= row));
-            if !note(column, row, own.iter().map(|&(_, id, memory)| (id, memory))) {
-                return Err(format!("particle {id} has more than {} contacts", self.slots));
-            }
-            rest = others;
-        }
-        Ok(())
-    }
-
-    /// The `xy` component of the symmetric first moments of this rank's contact forces at the end, from motions
-    /// relative to the flow. Collective.
-    fn shear_moment(&self, motion: &Motion) -> f64 {
-        let ends = self.ends(motion);
-        let of_one = |(contact, (_, _, memory)): (&Touching, &End)| {
-            let [force, _] = contact.load(memory.normal, memory);
-            let arm = contact.arms[0] * contact.axis;
-            0.5 * (arm.x * force.y + arm.y * force.x)
-        };
-        self.touching.list.iter().zip(&ends).map(of_one).sum()
-    }
-
-    /// States of the contacts at the end, in the order of rows. Collective.
-    fn ends(&self, motion: &Motion) -> Vec<End> {
-        let velocities = self.touching.extended(&motion.velocities);
-        let angular = self.touching.extended(&motion.angular_velocities);
-        let end = |(contact, expected): (&Touching, &Expected)| {
-            let stiffness = self.ahead.along * self.law.normal_stiffness(contact.overlap, contact.between);
-            let known = self.law.force(contact.overlap, contact.between);
-            let normal =
-                (known - stiffness * (contact.separation_rate(&velocities) - expected.separation_rate)).max(0.0);
-            let spring = self.ahead.across * self.law.tangential_stiffness(contact.overlap, contact.between);
-            let slip = contact.slip(&velocities, &angular, self.flow.strained(contact));
-            let force = contact.memory.force + spring * slip;
-            let rolled = contact.rolling(&angular) + self.flow.rolled(contact);
-            let rolling = contact.memory.rolling + spring * rolled;
-            let most = [self.law.coulomb_limit(normal), self.law.rolling_friction * normal];
-            let shares = [share(force, most[0]), share(rolling, most[1])];
-            let memory = Memory { force: shares[0] * force, rolling: shares[1] * rolling, normal, shares };
-            (contact.rows[0], contact.other, memory)
-        };
-        self.touching.list.iter().zip(&self.expected).map(end).collect()
-    }
-
-    /// Implicit resistances along the line of centres, to slip, and to rolling.
-    fn resistances(&self, contact: &Touching) -> [f64; 3] {
-        let along = self.ahead.along * self.law.normal_stiffness(contact.overlap, contact.between);
-        let spring = self.ahead.across * self.law.tangential_stiffness(contact.overlap, contact.between);
-        let of_share = |share: f64| if share < 1.0 { CUT * share * spring } else { spring };
-        let [slip, rolling] = contact.memory.shares.map(of_share);
-        let on = |friction: f64, resistance: f64| if friction > 0.0 { resistance } else { 0.0 };
-        [along, on(self.law.friction, slip), on(self.law.rolling_friction, rolling)]
-    }
-}
-
-/// Factor that limits the magnitude of a force to `most`.
-fn share(force: Vector, most: f64) -> f64 {
-    let length = force.length();
-    if length > most { most / length } else { 1.0 }
 }

@@ -1,6 +1,7 @@
 //! Averages and totals over contacts.
 
 use super::touching::{AllTouching, Touching};
+use domain::parallel::{greatest, mapped, of_rows};
 use domain::{Comm, Particles, Tensor};
 use lubrication::{Contact, PairKind};
 
@@ -26,32 +27,56 @@ struct Sums {
     overlap: f64,
 }
 
+/// Shares of a contact, as seen by one of its particles, in the sums.
+struct ContactTerms {
+    energy: f64,
+    is_frictional: bool,
+    is_sliding: bool,
+}
+
 /// Largest overlap of this rank's contacts, over the roughness.
 pub(super) fn largest_overlap(law: &Contact, touching: &AllTouching) -> f64 {
     let of_one = |contact: &Touching| contact.overlap / (law.roughness * contact.between.mean_radius());
-    touching.list.iter().map(of_one).fold(0.0, f64::max)
+    greatest(touching.list.items(), of_one)
+}
+
+/// Contribution of a contact to the first moment of its particle.
+fn moment(law: &Contact, contact: &Touching) -> Tensor {
+    let [force, _] = contact.load(law.force(contact.overlap, contact.between), &contact.memory);
+    let arm = contact.arms[0] * contact.axis;
+    let moment = Tensor::from_cols(arm * force.x, arm * force.y, arm * force.z);
+    (moment + moment.transpose()) * 0.5
+}
+
+impl ContactTerms {
+    fn of(law: &Contact, contact: &Touching) -> Self {
+        let normal = law.force(contact.overlap, contact.between);
+        let across = [contact.memory.force, contact.memory.rolling];
+        // A contact of two spheres is in the sum twice.
+        let share = if let PairKind::Wall(_) = contact.between { 1.0 } else { 0.5 };
+        Self {
+            energy: share * law.energy(contact.overlap, contact.between, across),
+            is_frictional: law.coulomb_limit(normal) > 0.0,
+            is_sliding: contact.memory.shares[0] < 1.0,
+        }
+    }
 }
 
 impl ContactStatistics {
     pub(super) fn of(law: &Contact, touching: &AllTouching, particles: &Particles) -> Self {
-        let mut moments = vec![Tensor::ZERO; particles.len()];
-        let mut sums = Sums { particles: particles.len() as f64, ..Sums::default() };
-        for contact in &touching.list {
-            let normal = law.force(contact.overlap, contact.between);
-            let [force, _] = contact.load(normal, &contact.memory);
-            let arm = contact.arms[0] * contact.axis;
-            let moment = Tensor::from_cols(arm * force.x, arm * force.y, arm * force.z);
-            moments[contact.rows[0]] += (moment + moment.transpose()) * 0.5;
+        let (contacts, particles) = (&touching.list, particles.len());
+        let moment_of =
+            |row: usize| contacts.of(row).iter().fold(Tensor::ZERO, |sum, contact| sum + moment(law, contact));
+        let mut sums = Sums { particles: particles as f64, ..Sums::default() };
+        // Summed in the order of the contacts on any number of threads.
+        for terms in mapped(contacts.items(), |contact| ContactTerms::of(law, contact)) {
             sums.contacts += 1.0;
-            sums.frictional += f64::from(u8::from(law.coulomb_limit(normal) > 0.0));
-            sums.sliding += f64::from(u8::from(contact.memory.shares[0] < 1.0));
-            let across = [contact.memory.force, contact.memory.rolling];
-            // A contact of two spheres is in the sum twice.
-            let share = if let PairKind::Wall(_) = contact.between { 1.0 } else { 0.5 };
-            sums.energy += share * law.energy(contact.overlap, contact.between, across);
+            sums.frictional += f64::from(u8::from(terms.is_frictional));
+            sums.sliding += f64::from(u8::from(terms.is_sliding));
+            sums.energy += terms.energy;
         }
         sums.overlap = largest_overlap(law, touching);
-        Self { moments, sums }
+        Self { moments: of_rows(particles, moment_of), sums }
     }
 
     /// Mean number of contacts per particle, fractions of frictional and of sliding contacts, largest overlap over the

@@ -2,8 +2,8 @@
 
 use super::history::{CONTACTS, Memory, recall};
 use crate::neighbourhood::{LocalParticles, NearParticles};
-use domain::parallel::copied;
-use domain::{Particles, PeriodicBox, Vector};
+use domain::parallel::{FusedLoops, RowLists};
+use domain::{Column, Neighbour, Neighbours, Particles, PeriodicBox, ToWall, Vector};
 use hydrodynamics::ContactSprings;
 use lubrication::{Contact, PairKind};
 use std::rc::Rc;
@@ -34,76 +34,113 @@ pub struct Touching {
 pub struct AllTouching {
     /// Particles and ghosts.
     pub present: Rc<LocalParticles>,
-    pub list: Vec<Touching>,
+    /// Contacts of each particle.
+    pub list: RowLists<Touching>,
 }
 
 impl AllTouching {
     /// The contacts among near particles.
     pub fn of(law: &Contact, particles: &Particles, cell: &PeriodicBox, near: NearParticles) -> Self {
         let NearParticles { present, neighbours } = near;
-        let (ids, positions, radii) = (present.ids(), present.positions(), present.radii());
-        let known = particles.columns.iter().find(|column| column.name == CONTACTS);
-        let mut list = Vec::new();
-        for row in 0..particles.len() {
-            let first = list.len();
-            for neighbour in neighbours.of(row).iter() {
-                let other = neighbour.row as usize;
-                let mut separation = positions[other] - positions[row];
-                if neighbour.steps != [0; 3] {
-                    separation += cell.lattice(neighbour.steps.map(i32::from));
-                }
-                let (distance, pair) = (separation.length(), [radii[row], radii[other]]);
-                let overlap = law.overlap(distance, pair);
-                if overlap <= 0.0 {
-                    continue;
-                }
-                let (axis, sum) = (separation / distance, pair[0] + pair[1]);
-                let memory = known.and_then(|column| recall(column, row, ids[other])).unwrap_or_default();
-                list.push(Touching {
-                    rows: [row, other],
-                    other: ids[other],
-                    separation,
-                    axis,
-                    place: positions[row] + separation * (pair[0] / sum),
-                    between: PairKind::Spheres(pair),
-                    arms: pair.map(|a| distance * a / sum),
-                    overlap,
-                    memory: turned(memory, axis),
-                });
-            }
-            for to in cell.to_walls(particles.positions[row]) {
-                let between = PairKind::Wall(radii[row]);
-                let (overlap, other) = (law.overlap(to.distance, between), ContactSprings::wall(to.wall));
-                if overlap <= 0.0 {
-                    continue;
-                }
-                let memory = known.and_then(|column| recall(column, row, other)).unwrap_or_default();
-                list.push(Touching {
-                    rows: [row, positions.len()],
-                    other,
-                    separation: to.axis * to.distance,
-                    axis: to.axis,
-                    place: positions[row] + to.axis * to.distance,
-                    between,
-                    arms: [to.distance, 0.0],
-                    overlap,
-                    memory: turned(memory, to.axis),
-                });
-            }
-            list[first..].sort_unstable_by_key(|touching| touching.other);
-        }
+        let search = ContactSearch {
+            law: *law,
+            cell,
+            ids: present.ids(),
+            positions: present.positions(),
+            radii: present.radii(),
+            neighbours: &neighbours,
+            known: particles.columns.iter().find(|column| column.name == CONTACTS),
+        };
+        let list = RowLists::of_rows(particles.len(), |row, list| search.append(row, list));
         Self { present, list }
     }
 
-    /// Values relative to the flow for all local particles and ghosts, from those of this rank's particles, and zero
-    /// for walls, which move with the flow. Collective.
-    pub fn extended(&self, values: &[Vector]) -> Vec<Vector> {
-        let mut own = copied(values);
-        own.resize(self.present.owned(), Vector::ZERO);
-        self.present.halo().extend(&mut own);
-        let mut extended = own;
-        extended.push(Vector::ZERO);
+    /// Lists of values relative to the flow for all local particles and ghosts, from those of this rank's particles,
+    /// and zero for walls, which move with the flow. An empty list stands for zeros. Collective.
+    pub fn extended<const N: usize>(&self, lists: [&[Vector]; N]) -> [Vec<Vector>; N] {
+        let count = self.present.ids().len() + 1;
+        let mut extended = lists.map(|_| Vec::with_capacity(count));
+        let mut loops = FusedLoops::default();
+        extended.iter_mut().zip(lists).for_each(|(all, own)| loops.copied(all, own));
+        loops.run();
+        for all in &mut extended {
+            all.resize(self.present.owned(), Vector::ZERO);
+            self.present.halo().extend(all);
+            all.push(Vector::ZERO);
+        }
         extended
+    }
+}
+
+/// Search for the contacts of particles among their neighbours and the walls.
+struct ContactSearch<'a> {
+    law: Contact,
+    cell: &'a PeriodicBox,
+    /// Ids, positions and radii of particles and ghosts.
+    ids: &'a [u64],
+    positions: &'a [Vector],
+    radii: &'a [f64],
+    neighbours: &'a Neighbours,
+    /// State of the contacts at the start of the substep, if there were any.
+    known: Option<&'a Column>,
+}
+
+impl ContactSearch<'_> {
+    /// Appends the contacts of a row, by the ids of the others.
+    fn append(&self, row: usize, list: &mut Vec<Touching>) {
+        let first = list.len();
+        list.extend(self.neighbours.of(row).iter().filter_map(|neighbour| self.with_sphere(row, neighbour)));
+        list.extend(self.cell.to_walls(self.positions[row]).filter_map(|to| self.with_wall(row, &to)));
+        list[first..].sort_unstable_by_key(|touching| touching.other);
+    }
+
+    fn with_sphere(&self, row: usize, neighbour: Neighbour) -> Option<Touching> {
+        let other = neighbour.row as usize;
+        let mut separation = self.positions[other] - self.positions[row];
+        if neighbour.steps != [0; 3] {
+            separation += self.cell.lattice(neighbour.steps.map(i32::from));
+        }
+        let (distance, pair) = (separation.length(), [self.radii[row], self.radii[other]]);
+        let overlap = self.law.overlap(distance, pair);
+        if overlap <= 0.0 {
+            return None;
+        }
+        let (axis, sum) = (separation / distance, pair[0] + pair[1]);
+        Some(Touching {
+            rows: [row, other],
+            other: self.ids[other],
+            separation,
+            axis,
+            place: self.positions[row] + separation * (pair[0] / sum),
+            between: PairKind::Spheres(pair),
+            arms: pair.map(|a| distance * a / sum),
+            overlap,
+            memory: self.memory(row, self.ids[other], axis),
+        })
+    }
+
+    fn with_wall(&self, row: usize, to: &ToWall) -> Option<Touching> {
+        let between = PairKind::Wall(self.radii[row]);
+        let (overlap, other) = (self.law.overlap(to.distance, between), ContactSprings::wall(to.wall));
+        if overlap <= 0.0 {
+            return None;
+        }
+        Some(Touching {
+            rows: [row, self.positions.len()],
+            other,
+            separation: to.axis * to.distance,
+            axis: to.axis,
+            place: self.positions[row] + to.axis * to.distance,
+            between,
+            arms: [to.distance, 0.0],
+            overlap,
+            memory: self.memory(row, other, to.axis),
+        })
+    }
+
+    /// State of the contact of a row with another particle or a wall, given the present axis.
+    fn memory(&self, row: usize, other: u64, axis: Vector) -> Memory {
+        turned(self.known.and_then(|column| recall(column, row, other)).unwrap_or_default(), axis)
     }
 }
 

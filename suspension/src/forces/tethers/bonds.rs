@@ -10,6 +10,7 @@ use crate::forces::force::{Force, StressName};
 use crate::model::Model;
 use crate::neighbourhood::{LocalParticles, NeighbourLists};
 use crate::rotation;
+use domain::parallel::RowLists;
 use domain::{Comm, DomainView, ExpectedCounts, Failure, Particles, PeriodicBox, Quaternion, Tensor, Vector};
 use fcm::Loads;
 use hydrodynamics::BondSprings;
@@ -264,20 +265,23 @@ impl Bonds {
     }
 
     /// Implicit resistances of the bonds, particle by particle.
-    fn springs(&self, tied: &Tied, time: f64) -> Vec<Vec<BondSprings>> {
-        let mut springs = vec![Vec::new(); tied.present.owned()];
-        for bond in &tied.list {
+    fn springs(&self, tied: &Tied, time: f64) -> RowLists<BondSprings> {
+        let list = &tied.list[..];
+        let spring = |bond: &Bond| {
             let time = if self.is_implicit(bond) { time } else { 0.0 };
             let [bending, twisting] = bond.beam_stiffness().map_or([0.0; 2], |beam| [beam.bending, beam.twisting]);
-            springs[bond.rows[0]].push(BondSprings {
+            BondSprings {
                 other: bond.other,
                 within: self.half,
                 resistance: time * bond.kind.stiffness,
                 bending: 4.0 * time * bending,
                 twisting: time * twisting,
-            });
-        }
-        springs
+            }
+        };
+        let first = |row: usize| list.partition_point(|bond| bond.rows[0] < row);
+        RowLists::of_rows(tied.present.owned(), |row, springs| {
+            springs.extend(list[first(row)..first(row + 1)].iter().map(spring));
+        })
     }
 
     /// First moments of the bonds: a pair at `x_i` and `x_j` with the force `F` on the first contributes
