@@ -145,7 +145,7 @@ fn springs_at_walls_are_in_the_rows() {
     contacts[lowest(&suspension)].push(touching(ContactSprings::wall(0)));
     let traps = particles.ids.iter().map(|id| 0.1 * (1 + id % 3) as f64).collect();
     let tethers = TetherResistance { traps, ..TetherResistance::default() };
-    let springs = Springs { resistance: &resistance, contacts: &contacts, tethers: &tethers };
+    let springs = Springs { resistance: &resistance, contacts: &contacts.into_iter().collect(), tethers: &tethers };
     let none = Loads::default();
     let free = SolveInput::new(&none, of_channel(&suspension));
     let input = SolveInput { springs: Some(&springs), ..free };
