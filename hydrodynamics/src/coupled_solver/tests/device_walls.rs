@@ -115,7 +115,7 @@ fn first_moments_are_those_of_the_host() {
     let in_flow = |mut solver: CoupledSolver| {
         let own = crate::units::particles(particles, &solver.units);
         let near = solver.pairs_of_solve(cell, [particles, &own], &input);
-        let on_card = solver.mobility().coupled().map(|far| far.in_flow());
+        let on_card = solver.mobility().coupled().map(fcm::CoupledFarField::in_flow);
         assert_eq!(near.is_on_device(), on_card.is_some());
         let of_row = |row: usize| {
             let here = near.ambient_loads().0[row].0.into_iter().chain(near.ambient_moments()[row].0);
