@@ -4,7 +4,7 @@ use super::Suspension;
 use crate::columns::{ANGULAR_VELOCITY, PAST, STRESSLET, VELOCITY};
 use crate::model::{Adaptive, Flow, Hydrodynamics, Integrator, Model, Parameters, Protocol, Repulsion, Species, Start};
 use crate::scalars::BLEND;
-use domain::{Comm, Interrupt, Particles, PeriodicBox, Vector};
+use domain::{Boundaries, Comm, Interrupt, Particles, PeriodicBox, Vector};
 use fcm::Method;
 use gpu::{Counted, Device, Emulator, SharedCounts};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -236,6 +236,36 @@ fn a_given_stress_shears_as_on_the_host() {
     assert!(distance(&card, &host) < 1e-3 * distance(&start, &host));
     let [of_card, of_host] = [&card, &host].map(|run| run.shear()[0]);
     assert!((of_card / of_host - 1.0).abs() < 1e-4 && (of_host - 1.0).abs() > 1e-2, "{of_card} and {of_host}");
+}
+
+/// Lubricated spheres between walls, by explicit steps in a channel flow and implicit ones that settle in shear: they
+/// move as on the host, by solves that iterate on the card, and a resumed run has the same bits.
+#[test]
+fn spheres_between_walls_move_as_on_the_host() {
+    let between = |flow, integrator| {
+        model([12, 6], |parameters| {
+            parameters.cell = parameters.cell.with_boundaries(Boundaries::Walls).unwrap();
+            parameters.flow = flow;
+            parameters.gravity = Vector::new(0.0, 0.0, -4.0);
+            parameters.species[1].density_difference = 1.0;
+            parameters.hydrodynamics.lubrication = true;
+            parameters.repulsion = Some(Repulsion { radius_power: 2, range: Some(0.2), ..Repulsion::new(20.0) });
+            parameters.integrator = integrator;
+        })
+    };
+    let explicit = between(Flow::Poiseuille { pressure_gradient: 0.5 }, Integrator::AdamsBashforth { order: 4 });
+    let shear = Flow::Shear { rate: 1.0, lees_edwards: false };
+    let implicit = between(shear, Integrator::Implicit(Adaptive::default()));
+    for model in [explicit, implicit] {
+        let [start, host] = [0, 3].map(|steps| advanced(started(&model, None), steps));
+        let (device, counts) = emulator(1);
+        let mut card = advanced(on(started(&model, None), device), 3);
+        assert!(distance(&card, &host) < 1e-3 * distance(&start, &host));
+        assert!(counts.borrow().runs["coupled_image_f32"] > 3);
+        let mut part = advanced(on(started(&model, None), emulator(2).0), 2);
+        let mut resumed = advanced(on(started(&model, Some(&mut part)), emulator(3).0), 1);
+        assert_eq!(card.state(), resumed.state());
+    }
 }
 
 /// A run that is resumed on another card, whose threads run in another order, has the bits of one that is not; on the
