@@ -12,13 +12,13 @@ fn settling(count: u64, fraction: f64) -> Parameters {
     Parameters { start: Start::Random { minimum_gap: 0.02 }, ..Parameters::new(cell, 1.0, vec![spheres], 0.001, 2) }
 }
 
-/// Memory of each of several single-threaded ranks, in MB.
+/// Memory of each of several single-threaded ranks of a released program, in MB.
 fn needed(parameters: Parameters, ranks: usize) -> Vec<f64> {
     let model = Model::new(parameters).unwrap();
     let radii = Radii::of_model(&model).unwrap();
     let plan = plan(&model, &radii).unwrap();
     let needs = needs(&model, &radii, &plan, Ranks { count: ranks, threads: 1 });
-    needs.iter().map(|need| need.resident / 1e6).collect()
+    needs.iter().map(|need| (need.resident - Process::CHECKS) / 1e6).collect()
 }
 
 /// The predictions that `docs/src/memory.md` compares with measured peaks.
