@@ -17,7 +17,7 @@ impl CoupledSolver {
         self.pairs_of_host(cell, own, acting, false)
     }
 
-    /// The same, or those by springs and spheres at walls alone.
+    /// The same, or those by springs, spheres at walls and loads by slip alone.
     fn pairs_of_host(
         &mut self,
         cell: &PeriodicBox,
@@ -29,7 +29,7 @@ impl CoupledSolver {
         let SolveInput { strain_rate, springs, bodies, .. } = *acting;
         let view = DomainView { cell, partition: &self.partition };
         let Some(field) = &mut self.near else { return NearPairs::none(own, cell, &self.partition) };
-        if without_lubrication && springs.is_none() {
+        if without_lubrication && springs.is_none() && acting.squirming.is_none() {
             return match &field.at_walls {
                 Some(force) => NearPairs::at_walls(force, own, view, strain_rate),
                 None => NearPairs::none(own, cell, &self.partition),
@@ -67,7 +67,7 @@ impl CoupledSolver {
         let plan = self.far.mobility().plan();
         let (viscosity, radii) = (plan.viscosity / self.units.viscosity, in_units(&plan.radii, self.units.length));
         let tables = || near_tables(self.near.as_ref(), viscosity, &radii);
-        let given = (!near.is_empty()).then(|| near.rows());
+        let given = near.has_rows().then(|| near.rows());
         let surface = self.surface_laws.as_ref().filter(|_| acting.surface_forces);
         let StrainRate { at_zero: Traceless(background), slope } = acting.strain_rate;
         let input = NearInput { background, slope, given: given.as_ref(), surface };
@@ -93,8 +93,7 @@ impl CoupledSolver {
     /// Whether the back end of the far field solves for the motions of free spheres, together with near pairs if there
     /// are some.
     pub(super) fn solves_on_device(&mut self, acting: &SolveInput) -> bool {
-        let are_free = acting.bodies.is_none() && acting.squirming.is_none();
-        are_free && self.preconditioned && self.far.mobility().coupled().is_some()
+        acting.bodies.is_none() && self.preconditioned && self.far.mobility().coupled().is_some()
     }
 }
 

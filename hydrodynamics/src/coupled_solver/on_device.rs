@@ -8,8 +8,8 @@ use crate::units::Scaled;
 use domain::parallel::of_rows;
 use domain::{Particles, RemoteHolder, Units, remote_columns};
 use fcm::{
-    CoupledProblem, CoupledSolution, CoupledTolerances, GivenLoads, HeldLoads, Limits, Loads, Motion, SolutionColumns,
-    SolveError,
+    CoupledProblem, CoupledSolution, CoupledTolerances, GivenLoads, HeldLoads, Limits, Loads, Mobility, Motion,
+    SolutionColumns, SolveError,
 };
 
 /// Relative error of the preconditioner's inner solves: a device, whose steps are few, takes them four at a time.
@@ -20,6 +20,8 @@ impl LubricatedSolve<'_> {
     pub(super) fn on_device(&self, scaled: Scaled, given: SolveCase, limits: Limits) -> Result<Solution, SolveError> {
         let SolveCase { loads, held, ambient, guess, keeps_columns, moving_in } = given;
         let Scaled { mobility, units } = scaled;
+        let swimming = self.with_quadrupoles(mobility, ambient);
+        let ambient = swimming.as_ref().unwrap_or(ambient);
         let far = mobility.coupled().expect("near pairs are where the far field solves with them");
         let loads_here = if held.is_some() { Vec::new() } else { self.other_loads(loads, &units) };
         let solved = far.solve(&CoupledProblem {
@@ -47,6 +49,14 @@ impl LubricatedSolve<'_> {
         let kept = Some(Box::new(KeptSolution { columns, compared }));
         let solution = Solution { motion, iterations, residual, kept, ..Solution::default() };
         Ok(if keeps_columns { solution } else { with_lists(solution, &self.particles.ids, &*far.holder()) })
+    }
+
+    /// Ambient motions and those by the quadrupoles of squirmers, which no unknown changes; `None` without squirmers.
+    fn with_quadrupoles(&self, mobility: &mut Mobility, ambient: &Motion) -> Option<Motion> {
+        let quadrupoles = self.quadrupoles?;
+        let mut motion = mobility.apply_with_quadrupoles(&Loads::default(), quadrupoles);
+        motion.add(1.0, ambient);
+        Some(motion)
     }
 
     /// Given loads, and those of other near pairs in the background, six numbers a particle; empty without either.

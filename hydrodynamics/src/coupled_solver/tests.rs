@@ -6,6 +6,7 @@ mod device_alone;
 mod device_noise;
 mod device_pairs;
 mod device_ranks;
+mod device_squirmers;
 mod device_surface;
 mod device_walls;
 mod on_device;

@@ -63,6 +63,8 @@ pub struct NearPairs {
     pub(super) moments: Vec<Traceless>,
     /// Whether any particle is in a trap.
     has_traps: bool,
+    /// Whether loads by slip are among those in the ambient flow.
+    pub(super) has_slip: bool,
     /// Rigid bodies, if there are any.
     pub(super) bodies: Option<PresentBodies>,
     /// Number of pairs, with these, whose resistance is where the far field is evaluated, if it is there.
@@ -133,8 +135,18 @@ impl NearPairs {
         };
         let at_walls = walls::find(at_walls.as_ref(), springs, particles, cell, strain_rate);
         let none = Vec::new();
-        let found =
-            Self { around, stiff, soft, at_walls: none, loads, moments, has_traps: false, bodies, on_device: None };
+        let found = Self {
+            around,
+            stiff,
+            soft,
+            at_walls: none,
+            loads,
+            moments,
+            has_traps: false,
+            has_slip: false,
+            bodies,
+            on_device: None,
+        };
         found.with_spheres_at_walls(at_walls).with_traps(springs)
     }
 
@@ -180,6 +192,7 @@ impl NearPairs {
             loads,
             moments,
             has_traps: false,
+            has_slip: false,
             bodies: None,
             on_device: None,
         }
@@ -206,8 +219,13 @@ impl NearPairs {
         !self.has_own() && self.on_device.is_none_or(|pairs| pairs == 0)
     }
 
-    /// Whether there is a resistance here, besides that on a device.
+    /// Whether there are loads or a resistance here, besides those on a device.
     pub fn has_own(&self) -> bool {
+        self.has_slip || self.has_rows()
+    }
+
+    /// Whether there is a resistance here, besides that on a device.
+    pub fn has_rows(&self) -> bool {
         let has_pairs = !self.stiff.is_empty() || !self.soft.is_empty();
         has_pairs || !self.at_walls.is_empty() || self.has_traps
     }

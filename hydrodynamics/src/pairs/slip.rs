@@ -169,6 +169,7 @@ impl NearPairs {
         // As those in the ambient strain, the loads are kept as known loads of the far field: with the opposite sign.
         change(&mut self.loads.0, &loads, |sum, by| *sum += SixVector::new(-by.force, -by.torque));
         change(&mut self.moments, &loads, |sum, by| *sum += -by.moment);
+        self.has_slip = true;
     }
 }
 

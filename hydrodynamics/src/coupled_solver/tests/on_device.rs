@@ -104,33 +104,28 @@ impl Suspension {
     }
 }
 
-/// Squirmers and a rigid body, whose solves iterate on the host.
+/// A rigid body, whose solves iterate on the host.
 #[test]
 #[ignore = "heavy"]
-fn squirmers_and_bodies_are_those_of_the_host() {
+fn bodies_are_those_of_the_host() {
     let suspension = Suspension::new(Precision::Double, 1e-6);
     let Suspension { cell, particles, .. } = &suspension;
     let count = particles.len();
-    let squirming = Squirming { first: vec![Vector::new(0.3, -0.8, 0.5); count], second: vec![Traceless::ZERO; count] };
     let centre = 0.5 * (particles.positions[0] + particles.positions[1]);
     let is_member = |row: usize| row < 2;
     let of: Vec<Option<u32>> = (0..count).map(|row| is_member(row).then_some(0)).collect();
     let arm = |row: usize| if is_member(row) { particles.positions[row] - centre } else { Vector::ZERO };
     let rigid = RigidBodies::new(&Comm::alone(), &of, &(0..count).map(arm).collect::<Vec<_>>());
     let none = Loads::default();
-    let shear = acting(&none, Traceless([0.0, 0.5, 0.0, 0.0, 0.0]));
-    let swimming = SolveInput { squirming: Some(&squirming), ..shear };
-    let of_bodies = SolveInput { bodies: Some(&rigid), ..shear };
-    for input in [swimming, of_bodies] {
-        let solved = |mut solver: CoupledSolver| solver.solve(cell, particles, &input, Guess::default()).unwrap();
-        let (device, counts) = Counted::new(emulator(13));
-        let [found, exact] = [suspension.on(Box::new(device)), suspension.on_host()].map(solved);
-        assert_eq!(found.iterations, exact.iterations);
-        let counts = counts.borrow();
-        assert!(counts.runs["solve_f64"] >= exact.iterations as u64 && !counts.runs.contains_key("coupled_loads_f64"));
-        for (found, exact) in columns(&found).iter().zip(&columns(&exact)) {
-            assert!(relative(found, exact) < 3e-6, "{:e}", relative(found, exact));
-        }
+    let input = SolveInput { bodies: Some(&rigid), ..acting(&none, Traceless([0.0, 0.5, 0.0, 0.0, 0.0])) };
+    let solved = |mut solver: CoupledSolver| solver.solve(cell, particles, &input, Guess::default()).unwrap();
+    let (device, counts) = Counted::new(emulator(13));
+    let [found, exact] = [suspension.on(Box::new(device)), suspension.on_host()].map(solved);
+    assert_eq!(found.iterations, exact.iterations);
+    let counts = counts.borrow();
+    assert!(counts.runs["solve_f64"] >= exact.iterations as u64 && !counts.runs.contains_key("coupled_loads_f64"));
+    for (found, exact) in columns(&found).iter().zip(&columns(&exact)) {
+        assert!(relative(found, exact) < 3e-6, "{:e}", relative(found, exact));
     }
 }
 
