@@ -24,7 +24,7 @@ pub struct Process {
 
 impl Process {
     /// Part of the program of a build that checks its arithmetic, as builds for development and for tests do.
-    pub const CHECKS: f64 = if cfg!(debug_assertions) { 13e6 } else { 0.0 };
+    pub const CHECKS: f64 = if cfg!(debug_assertions) { 8e6 } else { 0.0 };
 
     /// A single process that keeps files open.
     pub const ALONE: Self = Self { is_launched: false, writes: true };
