@@ -4,8 +4,7 @@
 use super::on_device::{Suspension, columns, emulator, relative};
 use super::*;
 use domain::Boundaries;
-use fcm::{Mobility, StressletSolver};
-use gpu::{Counted, Device, NearSize, NumberFormat};
+use gpu::{Counted, Device};
 
 /// Loads by which spheres settle and rotate.
 fn loads(particles: &Particles) -> Loads {
@@ -17,9 +16,7 @@ fn loads(particles: &Particles) -> Loads {
 }
 
 fn on_card(suspension: &Suspension, device: Box<dyn Device>) -> CoupledSolver {
-    let partition = suspension.partition();
-    let far = StressletSolver::of(Mobility::on(device, &suspension.plan, &partition), partition.comm());
-    CoupledSolver::of(far, &partition, ShortRange::default()).unwrap()
+    suspension.with_range(device, ShortRange::default())
 }
 
 fn on_host(suspension: &Suspension) -> CoupledSolver {
@@ -76,33 +73,4 @@ fn solutions_at_walls_and_in_the_open_are_those_of_the_host() {
         let suspension = Suspension::within(within, Precision::Double, 1e-5);
         agree(&suspension, StrainRate { at_zero: uniform, slope });
     }
-}
-
-/// The forecast of `check` without near pairs, beside what a solve allocates after an evaluation.
-#[test]
-fn memory_is_as_predicted() {
-    let sheared = |edge| PeriodicBox::sheared(Vector::splat(edge), 0.3).unwrap();
-    let suspension = Suspension::within(sheared, Precision::Single, 1e-2);
-    let Suspension { cell, particles, .. } = &suspension;
-    let (device, counts) = Counted::new(emulator(5));
-    let (mut solver, loads) = (on_card(&suspension, Box::new(device)), loads(particles));
-    let evaluated = Loads { stresslets: vec![Traceless::ZERO; particles.len()], ..loads.clone() };
-    solver.mobility().follow(cell, particles);
-    solver.mobility().apply(&evaluated, fcm::Output::All);
-    let before = counts.borrow().memory[1];
-    let ambient = Motion { strain_rates: vec![Traceless::ZERO; particles.len()], ..Motion::default() };
-    let flow = StrainRate::uniform(Traceless([0.0, 0.5, 0.0, 0.0, 0.0]));
-    let input = SolveInput { keeps_columns: true, ambient: &ambient, ..SolveInput::new(&loads, flow) };
-    let _kept = solver.solve(cell, particles, &input, Guess::default()).unwrap();
-    let found = (counts.borrow().memory[1] - before) as f64;
-    let size = NearSize {
-        numbers: NumberFormat::Single,
-        particles: particles.len() as f64,
-        stiff: 0.0,
-        soft: 0.0,
-        tables: 0.0,
-        at_walls: false,
-    };
-    // Sums of blocks and the resistances of single spheres are left out.
-    assert!((size.bytes()..size.bytes() + 500.0).contains(&found), "{found} bytes, {} expected", size.bytes());
 }

@@ -1,6 +1,6 @@
 //! Lubricated spheres on ranks with a device each, which an emulator runs on the host, against one rank of the host.
 
-use super::on_device::{Suspension, emulator, relative};
+use super::on_device::{Suspension, emulator, lubricated, relative};
 use super::*;
 
 /// Positions after some steps in shear on some ranks, in the order of ids.
@@ -38,7 +38,7 @@ fn steps_on_ranks_are_those_of_the_host() {
     let suspension = Suspension::of(12, sheared, Precision::Double, 1e-8);
     let start = &suspension.particles;
     let on_device = |partition: &Partition| {
-        let mut solver = suspension.on_rank(emulator(partition.comm().rank() as u64), partition);
+        let mut solver = suspension.on_rank(emulator(partition.comm().rank() as u64), partition, lubricated());
         // Devices do not add up forces between the surfaces of their own spheres and those of others.
         assert_eq!(solver.take_surface_forces(&[]), partition.comm().size() == 1);
         solver

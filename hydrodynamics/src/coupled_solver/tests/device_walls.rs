@@ -1,15 +1,13 @@
 //! Spheres at walls by the kernels of a card, which an emulator runs on the host, against the solve of the host.
 
-use super::device_pairs::lubrication_of;
 use super::on_device::{Suspension, agree_in, columns, emulator, relative};
 use super::*;
 use crate::ambient::Poiseuille;
 use crate::springs::{ContactSprings, TetherResistance};
 use domain::Boundaries;
-use gpu::{Counted, NearSize, NumberFormat};
 
 /// Spheres of two sizes between walls or above one, which the lowest of them almost touches.
-fn at_walls(boundaries: Boundaries, precision: Precision, iteration: f64) -> Suspension {
+pub(super) fn at_walls(boundaries: Boundaries, precision: Precision, iteration: f64) -> Suspension {
     let walls = |edge| PeriodicBox::new(Vector::splat(edge)).unwrap().with_boundaries(boundaries).unwrap();
     let mut suspension = Suspension::within(walls, precision, iteration);
     let lowest = lowest(&suspension);
@@ -28,7 +26,7 @@ fn lowest(suspension: &Suspension) -> usize {
 }
 
 /// Strain rate of a flow by a pressure gradient, which also has a part along y.
-fn of_channel(suspension: &Suspension) -> StrainRate {
+pub(super) fn of_channel(suspension: &Suspension) -> StrainRate {
     let height = suspension.cell.edges().z / suspension.on_host().units.length;
     let StrainRate { at_zero, slope: [along_x, _] } = Poiseuille { curvature: 0.2, height }.strain_rate();
     StrainRate { at_zero: at_zero + Traceless([0.1, 0.0, 0.0, -0.2, 0.3]), slope: [along_x, 0.04] }
@@ -185,30 +183,4 @@ fn iterations_at_walls_stay_on_the_device() {
         let [copies, bytes] = std::array::from_fn(|k| many[k] - few[k]);
         assert!(copies > 0 && bytes <= 13 * 8 * copies, "{copies} copies of {bytes} bytes");
     }
-}
-
-/// The forecast of `check` for the near field at walls, beside what a solve allocates after an evaluation.
-#[test]
-fn memory_at_walls_is_as_predicted() {
-    let suspension = at_walls(Boundaries::Walls, Precision::Single, 1e-2);
-    let Suspension { cell, particles, .. } = &suspension;
-    let (device, counts) = Counted::new(emulator(5));
-    let mut solver = suspension.on(Box::new(device));
-    let loads = Loads {
-        forces: vec![Vector::X; particles.len()],
-        torques: vec![Vector::X; particles.len()],
-        stresslets: vec![Traceless::ZERO; particles.len()],
-    };
-    solver.mobility().follow(cell, particles);
-    solver.mobility().apply(&loads, Output::All);
-    let before = counts.borrow().memory[1];
-    solver.solve(cell, particles, &SolveInput::new(&loads, of_channel(&suspension)), Guess::default()).unwrap();
-    let found = (counts.borrow().memory[1] - before) as f64;
-    let [stiff, soft] = suspension.pairs(&solver).map(f64::from);
-    let tables = lubrication_of(&solver).tables(1.0, Vec::new());
-    let tables = (size_of_val(&tables.kinds[..]) + size_of_val(&tables.series[..])) as f64;
-    let (numbers, particles) = (NumberFormat::Single, particles.len() as f64);
-    let size = NearSize { numbers, particles, stiff, soft, tables, at_walls: true };
-    // Sums of blocks and the resistances of single spheres are left out.
-    assert!((size.bytes()..size.bytes() + 500.0).contains(&found), "{found} bytes, {} expected", size.bytes());
 }

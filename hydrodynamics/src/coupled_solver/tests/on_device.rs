@@ -1,12 +1,11 @@
 //! The solve by the kernels of a card, which an emulator runs on the host, against that of the host.
 
-use super::device_pairs::lubrication_of;
 use super::*;
 use crate::bodies::RigidBodies;
 use crate::springs::{BondSprings, ContactSprings, TetherResistance};
 use domain::{Boundaries, Random};
 use fcm::{Method, Mobility, PastSolutions, StressletSolver};
-use gpu::{Counted, Device, DeviceCounts, Emulator, NearSize, NumberFormat};
+use gpu::{Counted, Device, DeviceCounts, Emulator};
 
 /// Spheres of two sizes in a box, one pair of them near contact.
 pub(super) struct Suspension {
@@ -17,7 +16,7 @@ pub(super) struct Suspension {
 
 impl Suspension {
     /// In a sheared box.
-    fn new(precision: Precision, iteration: f64) -> Self {
+    pub(super) fn new(precision: Precision, iteration: f64) -> Self {
         let sheared = |edge| PeriodicBox::sheared(Vector::splat(edge), 0.3).unwrap();
         Self::within(sheared, precision, iteration)
     }
@@ -60,17 +59,27 @@ impl Suspension {
     }
 
     pub(super) fn on_host(&self) -> CoupledSolver {
-        CoupledSolver::new(&self.plan, &self.partition(), lubricated_at(Some(LubricationRange::default()))).unwrap()
+        CoupledSolver::new(&self.plan, &self.partition(), lubricated()).unwrap()
     }
 
     pub(super) fn on(&self, device: Box<dyn Device>) -> CoupledSolver {
-        self.on_rank(device, &self.partition())
+        self.with_range(device, lubricated())
+    }
+
+    /// The same with other short-range interactions.
+    pub(super) fn with_range(&self, device: Box<dyn Device>, short_range: ShortRange) -> CoupledSolver {
+        self.on_rank(device, &self.partition(), short_range)
     }
 
     /// The same on a rank of several, each of which has a device.
-    pub(super) fn on_rank(&self, device: Box<dyn Device>, partition: &Partition) -> CoupledSolver {
+    pub(super) fn on_rank(
+        &self,
+        device: Box<dyn Device>,
+        partition: &Partition,
+        short_range: ShortRange,
+    ) -> CoupledSolver {
         let far = StressletSolver::of(Mobility::on(device, &self.plan, partition), partition.comm());
-        CoupledSolver::of(far, partition, lubricated_at(Some(LubricationRange::default()))).unwrap()
+        CoupledSolver::of(far, partition, short_range).unwrap()
     }
 
     /// The same in double precision, to another tolerance.
@@ -102,6 +111,11 @@ impl Suspension {
         let guess = Guess { stresslets_far: first.far.stresslets.clone(), ..Guess::induced_by(&first.motion) };
         [first, solver.solve(&self.cell, &self.particles, &settling, guess).unwrap()]
     }
+}
+
+/// Lubrication of the usual range.
+pub(super) fn lubricated() -> ShortRange {
+    lubricated_at(Some(LubricationRange::default()))
 }
 
 /// A rigid body, whose solves iterate on the host.
@@ -301,43 +315,6 @@ fn recordings_serve_later_steps() {
         cell = PeriodicBox::sheared(cell.edges(), 0.3 + 1e-3 * strength * f64::from(step + 1)).unwrap();
         particles.wrap(&cell);
     }
-}
-
-/// The forecast of `check` for the near field, beside what a solve allocates after an evaluation.
-#[test]
-fn memory_is_as_predicted() {
-    let suspension = Suspension::new(Precision::Single, 1e-2);
-    let Suspension { cell, particles, .. } = &suspension;
-    let (device, counts) = Counted::new(emulator(5));
-    let mut solver = suspension.on(Box::new(device));
-    let loads = Loads {
-        forces: vec![Vector::X; particles.len()],
-        torques: vec![Vector::X; particles.len()],
-        stresslets: vec![Traceless::ZERO; particles.len()],
-    };
-    solver.mobility().follow(cell, particles);
-    solver.mobility().apply(&loads, Output::All);
-    let before = counts.borrow().memory[1];
-    let ambient = Motion { strain_rates: vec![Traceless::ZERO; particles.len()], ..Motion::default() };
-    let input = SolveInput { ambient: &ambient, ..acting(&loads, Traceless([0.0, 0.5, 0.0, 0.0, 0.0])) };
-    solver.solve(cell, particles, &input, Guess::default()).unwrap();
-    let found = (counts.borrow().memory[1] - before) as f64;
-    // Spheres that have not moved are arranged once: their neighbours are counted, then listed.
-    assert_eq!(counts.borrow().runs["find_neighbours_f32"], 2);
-    let [stiff, soft] = suspension.pairs(&solver).map(f64::from);
-    assert!(stiff > 0.0 && soft > 0.0);
-    let tables = lubrication_of(&solver).tables(1.0, Vec::new());
-    let tables = (size_of_val(&tables.kinds[..]) + size_of_val(&tables.series[..])) as f64;
-    let size = NearSize {
-        numbers: NumberFormat::Single,
-        particles: particles.len() as f64,
-        stiff,
-        soft,
-        tables,
-        at_walls: false,
-    };
-    // Sums of blocks and the resistances of single spheres are left out.
-    assert!((size.bytes()..size.bytes() + 500.0).contains(&found), "{found} bytes, {} expected", size.bytes());
 }
 
 /// Springs, traps, contacts and bonds that bend and twist are in the matrix of the device.
