@@ -65,23 +65,29 @@ impl<T: Copy + Send + Sync> RowLists<T> {
     /// those of other rows before. They are the same on any number of threads.
     #[track_caller]
     pub fn of_rows(count: usize, append: impl Fn(usize, &mut Vec<T>) + Sync) -> Self {
-        let rows = BATCH.max(count.div_ceil(BATCHES));
-        let (mut ends, batches) = in_blocks(count, rows, |first, ends: &mut [usize]| {
+        Self::of_blocks(count, BATCH.max(count.div_ceil(BATCHES)), |first, ends| {
             let mut items = Vec::new();
             for (row, end) in (first..).zip(ends) {
                 append(row, &mut items);
                 *end = items.len();
             }
             items
-        });
-        let mut firsts = Vec::with_capacity(batches.len());
+        })
+    }
+
+    /// Lists made in parallel for blocks of rows, by a function that returns the items of a block, row by row, and
+    /// notes for each row the place after its last item there. It is given the first row of the block.
+    #[track_caller]
+    pub fn of_blocks(count: usize, rows: usize, make: impl Fn(usize, &mut [usize]) -> Vec<T> + Sync) -> Self {
+        let (mut ends, blocks) = in_blocks(count, rows, make);
+        let mut firsts = Vec::with_capacity(blocks.len());
         let mut total = 0;
-        for batch in &batches {
+        for block in &blocks {
             firsts.push(total);
-            total += batch.len();
+            total += block.len();
         }
         change_rows(&mut ends, |row, end| *end += firsts[row / rows]);
-        Self { ends, items: concat(batches) }
+        Self { ends, items: concat(blocks) }
     }
 
     /// Lists of the values of a function, one for each item.

@@ -5,6 +5,7 @@ use super::*;
 use crate::ambient::Poiseuille;
 use crate::springs::{ContactSprings, TetherResistance};
 use domain::Boundaries;
+use gpu::Counted;
 
 /// Spheres of two sizes between walls or above one, which the lowest of them almost touches.
 pub(super) fn at_walls(boundaries: Boundaries, precision: Precision, iteration: f64) -> Suspension {

@@ -4,6 +4,7 @@ use crate::pairs::matrix::diagonal_block::DiagonalBlock;
 use crate::pairs::matrix::lanes::StoredLanes;
 use crate::pairs::matrix::sparse::{LaneGroup, MatrixPart, PairMatrix, ROWS, Slice};
 use domain::Vector;
+use domain::parallel::{FusedLoops, RowLists};
 use fcm::PairRows;
 
 /// Numbers of a pair, as [`PairRows`] has them.
@@ -15,21 +16,21 @@ type RowPair = (u32, [f64; NUMBERS]);
 impl<T: StoredLanes> PairMatrix<T> {
     /// Rows of `count` particles, without first moments at walls. All of them are in the matrix, or none.
     pub fn rows(&self, count: usize) -> PairRows {
-        let mut pairs: Vec<Vec<RowPair>> = vec![Vec::new(); count];
-        for (part, pairs) in self.parts.iter().zip(pairs.chunks_mut(ROWS)) {
-            part.list_pairs(pairs);
-        }
-        let ends = pairs.iter().scan(0, |end, row| {
-            *end += row.len() as i32;
-            Some(*end)
+        let lists = RowLists::of_blocks(count, ROWS, |first, ends| {
+            self.parts.get(first / ROWS).map_or_else(Vec::new, |part| part.list_pairs(ends))
         });
-        let starts = std::iter::once(0).chain(ends).collect();
-        let own = self.parts.iter().flat_map(|part| &part.own).chain(&[]).flat_map(DiagonalBlock::own_numbers);
-        let mut own: Vec<f64> = own.collect();
-        own.resize(count * DiagonalBlock::OWN_NUMBERS, 0.0);
-        let numbers = (0..NUMBERS).flat_map(|k| pairs.iter().flatten().map(move |(_, numbers)| numbers[k])).collect();
-        let others = pairs.iter().flatten().map(|&(other, _)| other as i32).collect();
-        PairRows { starts, others, numbers, own, ..PairRows::default() }
+        let (pairs, own) = (lists.items(), |row: usize| self.parts.get(row / ROWS).map(|part| &part.own[row % ROWS]));
+        let (mut made, mut of_own, mut loops) = (PairRows::default(), Vec::new(), FusedLoops::default());
+        loops.of_rows(&mut made.starts, count + 1, |row| {
+            row.checked_sub(1).map_or(0, |row| lists.range(row).end as i32)
+        });
+        loops.mapped(&mut made.others, pairs, |&(other, _)| other as i32);
+        loops.of_rows(&mut made.numbers, NUMBERS * pairs.len(), |at| pairs[at % pairs.len()].1[at / pairs.len()]);
+        loops.of_rows(&mut of_own, count, |row| {
+            own(row).map_or([0.0; DiagonalBlock::OWN_NUMBERS], DiagonalBlock::own_numbers)
+        });
+        loops.run();
+        PairRows { own: of_own.into_flattened(), ..made }
     }
 }
 
@@ -72,8 +73,9 @@ impl MatrixPart<f64> {
 }
 
 impl<T: StoredLanes> MatrixPart<T> {
-    /// Lists the pairs of each row of the block.
-    fn list_pairs(&self, rows: &mut [Vec<RowPair>]) {
+    /// The pairs of the block, row by row, with the place after the last one of each row.
+    fn list_pairs(&self, ends: &mut [usize]) -> Vec<RowPair> {
+        let mut rows: Vec<Vec<RowPair>> = vec![Vec::new(); ends.len()];
         for (slice, groups) in self.slices() {
             for group in &self.groups[groups] {
                 for (lane, &row) in slice.rows().iter().enumerate() {
@@ -81,6 +83,12 @@ impl<T: StoredLanes> MatrixPart<T> {
                 }
             }
         }
+        let mut pairs = Vec::new();
+        for (row, end) in rows.iter().zip(ends) {
+            pairs.extend_from_slice(row);
+            *end = pairs.len();
+        }
+        pairs
     }
 }
 
