@@ -1,7 +1,8 @@
 """Runs the tests of this folder, or of those named, and counts them in the last line; with --quick without the files that
 set `HEAVY`, which take longer than some twenty seconds.
 
-A file of tests is a process, and as many of them run at a time as there are cores: most tests wait for a program that they stop or kill."""
+A file of tests is a process. Twice as many of them as there are cores run at a time, since many tests wait for a
+program that they stop or kill."""
 
 import concurrent.futures
 import os
@@ -25,6 +26,7 @@ def run_file(path):
     suite = unittest.TestLoader().discover(str(path.parent), pattern=path.name)
     result = unittest.TextTestRunner(stream=sys.stdout, verbosity=2).run(suite)
     bad = len(result.failures) + len(result.errors)
+    print(f"{sum(os.times()[:4]):.0f} s of a core")
     print(f"{result.testsRun - bad} passed, {bad} failed")
     return result.wasSuccessful()
 
@@ -51,7 +53,7 @@ def main():
     files = sorted((file for place in given for file in place.glob("test_*.py")), key=lambda file: -file.stat().st_size)
     if quick:
         files = [file for file in files if not HEAVY.search(file.read_text())]
-    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+    with concurrent.futures.ThreadPoolExecutor(2 * os.cpu_count()) as pool:
         counts = list(pool.map(run_apart, files))
     passed, failed = (sum(numbers) for numbers in zip(*counts))
     print(f"{passed} passed, {failed} failed")
