@@ -49,10 +49,11 @@ def main():
     given = [pathlib.Path(word) for word in sys.argv[1:] if word != "--quick"] or [pathlib.Path(__file__).parent]
     if len(given) == 1 and given[0].is_file():
         sys.exit(not run_file(given[0]))
-    # The longest texts first, so that no long file is left alone at the end.
-    files = sorted((file for place in given for file in place.glob("test_*.py")), key=lambda file: -file.stat().st_size)
-    if quick:
-        files = [file for file in files if not HEAVY.search(file.read_text())]
+    texts = {file: file.read_text() for place in given for file in place.glob("test_*.py")}
+    heavy = [file for file, text in texts.items() if HEAVY.search(text)]
+    # Those that take long first, then the longest texts, so that no long file is left alone at the end.
+    files = sorted(texts, key=lambda file: (file not in heavy, -len(texts[file])))
+    files = [file for file in files if not quick or file not in heavy]
     with concurrent.futures.ThreadPoolExecutor(2 * os.cpu_count()) as pool:
         counts = list(pool.map(run_apart, files))
     passed, failed = (sum(numbers) for numbers in zip(*counts))
