@@ -31,7 +31,8 @@ def scene(count, fraction, keys, first, device):
     """Spheres of two sizes with lubrication, or equal ones in heat."""
     ratio = 1.0 if "thermal_energy" in keys else 1.4
     edge = (count * (1 + ratio**3) / 2 * 4.18879 / fraction) ** (1 / 3)
-    species = "".join(f"[[species]]\nname = {name!r}\nradius = {radius}\ncount = {count // 2}\n" for name, radius in (("small", 1.0), ("large", ratio)))
+    kind = lambda name, radius: f"[[species]]\nname = {name!r}\nradius = {radius}\ncount = {count // 2}\n"
+    species = kind("small", 1.0) + kind("large", ratio)
     on = "" if device is None else f'hydrodynamics.device = "{device}"\n'
     return f"""seed = 1
 box.edges = [{edge}, {edge}, {edge}]
@@ -73,7 +74,7 @@ def timed(program, folder, text, threads):
 
 
 def memory(program, folder, text):
-    """What `check` says of the memory of a run."""
+    """The memory of a run, as `check` says it."""
     (folder / "scene.toml").write_text(text)
     lines = ended([program, "check", folder / "scene.toml"], 1).stdout.splitlines()
     return "; ".join(line.split(maxsplit=1)[1] for line in lines if line.startswith(("memory", "card", "device")))
