@@ -50,7 +50,7 @@ impl SplitFarField {
         let changed = self.wide_list(CHANGED * count)?;
         let [unknowns, preconditioned, image] = [at.unknowns, at.preconditioned, changed].map(|list| list.address);
         let [direction, list_x] = [start.motions, start.moments].map(|list| list.address);
-        let task = KernelTask { unknowns, preconditioned, direction, list_x, image, ..self.task };
+        let task = KernelTask { list_x, unknowns, preconditioned, direction, image, ..self.task };
         self.launch_particles("gather_all_changed", &task)?;
         self.launch_moments(&changed, moments)?;
         let of_far = changed.part(MOTION * count, MOMENTS * count).address;
