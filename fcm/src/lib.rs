@@ -72,7 +72,8 @@ pub use gpu::{
 pub use grid::stencil::Support;
 pub use lanczos::{DrawDiagnostics, LanczosLimits, square_root_times};
 pub use mobility::coupled::{
-    CoupledFarField, CoupledProblem, CoupledSolution, CoupledTolerances, GivenLoads, HeldLoads, SolutionColumns,
+    ChangeLimits, ChangedSolution, CoupledFarField, CoupledProblem, CoupledResidual, CoupledSolution,
+    CoupledTolerances, GivenLoads, HeldLoads, KnownSolution, SolutionColumns,
 };
 pub use mobility::loads::{Loads, Motion, Output};
 pub use mobility::memory::Footprint;

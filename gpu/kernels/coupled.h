@@ -203,3 +203,16 @@ static __device__ void gather_result(const Task &task)
         strain[k] = -r.strain[k] - task.numbers->background[k];
     }
 }
+
+// Solution after a change of unknowns, with the preconditioned residual as a last correction of the change: motions, and
+// minus the stresslets, from those of the start in a direction and a list.
+static __device__ void gather_changed(const Task &task)
+{
+    int row = thread_index();
+    if (row >= task.particles) return;
+    UnknownsOf<double> x = unknowns_of(task, task.unknowns, row), z = unknowns_of(task, task.preconditioned, row);
+    const double *start = task.direction + SIX * row, *start_moment = (const double *)task.list_x + COMPONENTS * row;
+    double *motion = task.image + SIX * row, *moment = task.image + (long long)SIX * task.particles + COMPONENTS * row;
+    for (int k = 0; k < SIX; k++) motion[k] = start[k] - (x.stiff[k] + z.stiff[k]);
+    for (int k = 0; k < COMPONENTS; k++) moment[k] = start_moment[k] + (x.moments[k] + z.moments[k]);
+}

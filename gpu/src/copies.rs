@@ -82,7 +82,7 @@ impl SplitFarField {
     }
 
     /// Lists at addresses, by their numbers of values. The host waits once for all of them.
-    fn download_lists<const N: usize>(
+    pub(crate) fn download_lists<const N: usize>(
         &mut self,
         lists: [(DeviceAddress, usize); N],
         numbers: NumberFormat,

@@ -8,6 +8,7 @@
 mod arrangement;
 mod assembly;
 mod buffers;
+mod change;
 mod copies;
 mod counted;
 mod coupled;

@@ -29,6 +29,19 @@ pub trait CoupledFarField {
     /// last.
     fn solve(&mut self, problem: &CoupledProblem) -> CoupledSolution;
 
+    /// Residual of a solution with the near pairs that were assembled last, without the background flow.
+    fn residual(&mut self, known: &KnownSolution) -> CoupledResidual;
+
+    /// Solution near another one, with the near pairs that were assembled last, without the background flow: with the
+    /// system `S` and its right-hand side `r`, the change `dl` of the unknowns `l` of that solution solves
+    ///
+    /// ```text
+    /// S dl = r - S l
+    /// ```
+    ///
+    /// with an error relative to the change.
+    fn changed(&mut self, known: &KnownSolution, change: &ChangeLimits) -> ChangedSolution;
+
     /// The memory that holds the columns of solutions.
     fn holder(&self) -> Rc<dyn RemoteHolder>;
 }
@@ -42,6 +55,56 @@ pub struct CoupledTolerances {
     pub preconditioner: f64,
     /// Of the near field at the end.
     pub end: f64,
+}
+
+/// A solution for the arranged particles, or for other positions of them, in scaled units as those of a
+/// [`CoupledProblem`].
+#[derive(Debug, Clone, Copy)]
+pub struct KnownSolution<'a> {
+    /// Units of length and viscosity of all numbers; the unit of force is 1.
+    pub units: Units,
+    /// Known loads, six numbers a particle.
+    pub loads: &'a [f64],
+    /// Ambient motions, see [`CoupledProblem::ambient`]; empty if there are none.
+    pub ambient: &'a [f64],
+    /// Velocities and angular velocities, six numbers a particle.
+    pub motions: &'a [f64],
+    /// First moments `D` in the far field, five numbers a particle.
+    pub moments: &'a [f64],
+}
+
+/// Residual of a solution in the units of that solution: the motions in which the fluid would have to move besides for
+/// it to be exact.
+pub struct CoupledResidual {
+    /// Velocities and angular velocities, six numbers a particle.
+    pub motions: Vec<f64>,
+    /// Rates of strain, five numbers a particle.
+    pub strain_rates: Vec<f64>,
+    /// First moments of near pairs by the motions of the solution, five numbers a particle.
+    pub moments_of_pairs: Vec<f64>,
+}
+
+/// Limits of the iteration for a change.
+#[derive(Clone, Copy)]
+pub struct ChangeLimits<'a> {
+    /// Ranks, of which there is one.
+    pub comm: &'a Comm,
+    /// Limits of the iteration, with an error relative to the change.
+    pub limits: Limits<'a>,
+    /// Relative error of the preconditioner in the iteration.
+    pub preconditioner: f64,
+}
+
+/// Solution after a change, in the units of the one before.
+pub struct ChangedSolution {
+    /// Velocities and angular velocities, six numbers a particle.
+    pub motions: Vec<f64>,
+    /// First moments `D` in the far field, five numbers a particle.
+    pub moments: Vec<f64>,
+    /// First moments of near pairs by the motions, five numbers a particle.
+    pub moments_of_pairs: Vec<f64>,
+    /// Result of the iteration.
+    pub outcome: IterationOutcome,
 }
 
 /// Given forces and torques of a problem, six numbers a particle.

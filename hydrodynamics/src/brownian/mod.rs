@@ -98,7 +98,7 @@ pub fn store_drift(
     let (mut fluid, loads, found) = (ambient(particles), loads(particles), load_from_columns(particles));
     hydrodynamics.add_divergence(cell, particles, over * energy, &mut fluid);
     let moved = DisplacedSpheres { cell, particles, loads: &loads, ambient: &fluid };
-    let StoredSolution { mut motion, stresslets, .. } = hydrodynamics.perturbed_solution(&moved, &found, tolerance)?;
+    let (mut motion, stresslets) = hydrodynamics.perturbed_solution(&moved, &found, tolerance)?;
     motion.add(-1.0, &found.motion);
     for (name, list) in DRIFT.into_iter().zip([motion.velocities, motion.angular_velocities]) {
         change(particles.vectors(name), &list, |drift, &change| *drift = change * (1.0 / over));

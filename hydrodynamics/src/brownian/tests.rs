@@ -1,7 +1,8 @@
 use super::*;
 use crate::coupled_solver::ShortRange;
 use domain::{Boundaries, Comm, Partition};
-use fcm::{Costs, Fixed, Loading, Multipoles, Output, Plan, Problem};
+use fcm::{Costs, Fixed, Loading, Method, Mobility, Multipoles, Output, Plan, Problem, StressletSolver};
+use gpu::Emulator;
 use lubrication::LubricationRange;
 
 /// Three near spheres in a cube of edge 14, sheared by 0.2, at a viscosity of 1.
@@ -70,6 +71,25 @@ fn particles() -> Particles {
 }
 
 fn hydrodynamics(cell: &PeriodicBox, tolerance: f64, lubrication: Option<LubricationRange>) -> CoupledSolver {
+    let (plan, partition) = planned(cell, tolerance, lubrication, Fixed::default());
+    CoupledSolver::new(&plan, &partition, ShortRange { lubrication, springs: None }).unwrap()
+}
+
+/// The same by the kernels of a card, which an emulator runs.
+fn on_card(cell: &PeriodicBox, tolerance: f64, lubrication: Option<LubricationRange>) -> CoupledSolver {
+    let fixed = Fixed { method: Some(Method::Split), ..Fixed::default() };
+    let (plan, partition) = planned(cell, tolerance, lubrication, fixed);
+    let device = Box::new(Emulator::beside_program(&[], 3).unwrap());
+    let far = StressletSolver::of(Mobility::on(device, &plan, &partition), partition.comm());
+    CoupledSolver::of(far, &partition, ShortRange { lubrication, springs: None }).unwrap()
+}
+
+fn planned(
+    cell: &PeriodicBox,
+    tolerance: f64,
+    lubrication: Option<LubricationRange>,
+    fixed: Fixed,
+) -> (Plan, Partition) {
     let problem = Problem {
         edges: cell.edges(),
         boundaries: cell.boundaries(),
@@ -89,11 +109,11 @@ fn hydrodynamics(cell: &PeriodicBox, tolerance: f64, lubrication: Option<Lubrica
         ranks: 1,
         costs: Costs::default(),
         network: None,
-        fixed: Fixed::default(),
+        fixed,
     };
     let plan = Plan::choose(&problem).unwrap();
     let partition = Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]);
-    CoupledSolver::new(&plan, &partition, ShortRange { lubrication, springs: None }).unwrap()
+    (plan, partition)
 }
 
 /// `sum_k d_k (A M_{.,k})` over the coordinates `k` of all spheres, with `M_{.,k}` the motions of the fluid due to a
@@ -135,10 +155,13 @@ fn divergence(
     (sums, stresslets)
 }
 
+fn sheared() -> PeriodicBox {
+    PeriodicBox::sheared(Vector::splat(14.0), 0.2).unwrap()
+}
+
 /// The divergence for the spheres in a sheared box.
 fn divergence_in_shear(lubrication: Option<LubricationRange>, tolerance: f64) -> ([f64; 18], [Traceless; 3]) {
-    let cell = PeriodicBox::sheared(Vector::splat(14.0), 0.2).unwrap();
-    divergence(&mut hydrodynamics(&cell, 1e-4, lubrication), &cell, &particles(), tolerance)
+    divergence(&mut hydrodynamics(&sheared(), 1e-4, lubrication), &sheared(), &particles(), tolerance)
 }
 
 /// Distance of two lists, relative to the norm of the second.
@@ -156,11 +179,10 @@ fn along(s: &Traceless) -> [f64; 5] {
 /// Velocities, angular velocities and, with lubrication, Brownian stresslets, which are minus the divergence of the
 /// first moments, each relative to its norm. The matrices with lubrication are accurate to half a per cent, and their
 /// divergence is less accurate. Without the finite difference the result would be zero.
-#[test]
-fn drift_and_stress_by_heat_are_divergences() {
-    let (far, _) = divergence_in_shear(None, 1e-3);
-    let (near, stresslets) =
-        divergence_in_shear(Some(LubricationRange::new(2.5, LubricationRange::MINIMUM_GAP).unwrap()), 1e-3);
+fn are_divergences(solver: impl Fn(Option<LubricationRange>) -> CoupledSolver) {
+    let range = Some(LubricationRange::new(2.5, LubricationRange::MINIMUM_GAP).unwrap());
+    let [(far, _), (near, stresslets)] =
+        [None, range].map(|lubrication| divergence(&mut solver(lubrication), &sheared(), &particles(), 1e-3));
     let stresslets: Vec<f64> = stresslets.iter().flat_map(along).collect();
     let minus_moments: Vec<f64> = MOMENTS.concat().into_iter().map(|moment| -moment).collect();
     let errors = [
@@ -171,6 +193,16 @@ fn drift_and_stress_by_heat_are_divergences() {
         error(&stresslets, &minus_moments),
     ];
     assert!(errors.iter().all(|error| *error < 0.03), "{errors:?}");
+}
+
+#[test]
+fn drift_and_stress_by_heat_are_divergences() {
+    are_divergences(|lubrication| hydrodynamics(&sheared(), 1e-4, lubrication));
+}
+
+#[test]
+fn drift_and_stress_by_heat_on_a_card_are_divergences() {
+    are_divergences(|lubrication| on_card(&sheared(), 1e-4, lubrication));
 }
 
 /// The error of the finite difference that a step allows is about that of the drift.

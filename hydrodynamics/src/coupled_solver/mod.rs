@@ -4,6 +4,7 @@ mod constant_flux;
 mod lubricated_solve;
 mod near_pairs;
 mod on_device;
+mod perturbed_on_device;
 mod perturbed_solve;
 mod random_loads;
 mod surface_forces;

@@ -13,7 +13,7 @@ use fcm::{
 };
 
 /// Relative error of the preconditioner's inner solves: a device, whose steps are few, takes them four at a time.
-const SHARP: f64 = 1e-2;
+pub(super) const SHARP: f64 = 1e-2;
 
 impl LubricatedSolve<'_> {
     /// The solve by the back end of the far field, where the near pairs are.
@@ -76,13 +76,13 @@ impl LubricatedSolve<'_> {
 }
 
 /// Force and torque on a particle in scaled units.
-fn numbers_of<'a>(loads: &'a Loads, units: &Units) -> impl Fn(usize) -> SixVector + Sync + 'a {
+pub(super) fn numbers_of<'a>(loads: &'a Loads, units: &Units) -> impl Fn(usize) -> SixVector + Sync + 'a {
     let torque = 1.0 / units.torque();
     move |row| SixVector::of_row(row, &loads.forces, &loads.torques).times(1.0, torque)
 }
 
 /// Motions as numbers in scaled units, those with rates of strain last; empty if there are none.
-fn columns(motion: &Motion, units: &Units, count: usize) -> Vec<f64> {
+pub(super) fn columns(motion: &Motion, units: &Units, count: usize) -> Vec<f64> {
     let Motion { velocities, angular_velocities, strain_rates } = motion;
     if velocities.is_empty() && angular_velocities.is_empty() && strain_rates.is_empty() {
         return Vec::new();

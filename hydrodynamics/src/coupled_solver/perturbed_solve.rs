@@ -53,6 +53,9 @@ impl CoupledSolver {
         let units = self.units;
         let motion = Motion { strain_rates: Vec::new(), ..solved.motion.clone() };
         let found = StoredSolution { motion, stresslets_far: solved.far.stresslets.clone(), stresslets: Vec::new() };
+        if self.assembles_on_device(cell, particles) {
+            return Ok(self.residual_on_device(loads, found));
+        }
         let ambient = &NO_AMBIENT;
         self.residual_system(
             &SystemAt { cell, particles, loads, ambient, found: &found, have_moved: false },
@@ -65,9 +68,9 @@ impl CoupledSolver {
         )
     }
 
-    /// The solution after a small displacement of the rigid spheres, under the same loads and in the ambient motions
-    /// for which the original solution is exact, see [`Self::equivalent_ambient`]. With `S(x) l = r(x)` the system and
-    /// its original solution, it solves
+    /// Motions and total stresslets after a small displacement of the rigid spheres, under the same loads and in the
+    /// ambient motions for which the original solution is exact, see [`Self::equivalent_ambient`]. With `S(x) l = r(x)`
+    /// the system and its original solution, it solves
     ///
     /// ```text
     /// S(x*) dl = r(x*) - S(x*) l
@@ -80,8 +83,11 @@ impl CoupledSolver {
         at: &DisplacedSpheres,
         found: &StoredSolution,
         tolerance: f64,
-    ) -> Result<StoredSolution, SolveError> {
+    ) -> Result<(Motion, Vec<Traceless>), SolveError> {
         let &DisplacedSpheres { cell, particles, loads, ambient } = at;
+        if self.assembles_on_device(cell, particles) {
+            return self.perturbed_on_device(at, found, tolerance);
+        }
         let (units, comm) = (self.units, self.partition.comm().clone());
         self.residual_system(&SystemAt { cell, particles, loads, ambient, found, have_moved: true }, |left| {
             let ResidualSystem { near, mut system, mut residual, interrupt } = left;
@@ -98,7 +104,8 @@ impl CoupledSolver {
             motion.add(1.0, &found.motion);
             let far = found.stresslets_far.iter().zip(solved.moments).map(|(&s, d)| s - d * units.torque());
             let there = StoredSolution { motion, stresslets_far: far.collect(), stresslets: Vec::new() };
-            Ok(StoredSolution { stresslets: whole(near, &there, &units), ..there })
+            let stresslets = whole(near, &there, &units);
+            Ok((there.motion, stresslets))
         })
     }
 

@@ -143,11 +143,12 @@ fn bodies_are_those_of_the_host() {
     }
 }
 
-/// The smallest box around positions in unbounded fluid.
+/// A box around positions in unbounded fluid, with room for displacements.
 fn around(cell: &PeriodicBox, positions: &[Vector]) -> PeriodicBox {
     let low = positions.iter().fold(positions[0], |low, &x| low.min(x));
     let high = positions.iter().fold(positions[0], |high, &x| high.max(x));
-    cell.with_extent(low, high - low).unwrap()
+    let room = Vector::splat(0.01);
+    cell.with_extent(low - room, high - low + 2.0 * room).unwrap()
 }
 
 pub(super) fn emulator(seed: u64) -> Box<dyn Device> {

@@ -18,7 +18,9 @@ mod tests;
 mod vectors;
 
 use crate::lanczos::DrawDiagnostics;
-use crate::mobility::coupled::{CoupledFarField, CoupledProblem, CoupledSolution};
+use crate::mobility::coupled::{
+    ChangeLimits, ChangedSolution, CoupledFarField, CoupledProblem, CoupledResidual, CoupledSolution, KnownSolution,
+};
 use crate::mobility::far_field::grid::GridFarField;
 use crate::mobility::far_field::{FarField, FlowAtPoints, RigidFarField, RigidProblem, RigidSolution, SurfaceFarField};
 use crate::mobility::loads::{Loads, Motion, Output};
@@ -26,12 +28,11 @@ use crate::mobility::noise::NoiseRequest;
 use crate::mobility::work::Work;
 use crate::plan::Plan;
 use crate::plan::device::number_of_card;
-use coupled::SolutionLists;
 use domain::parallel::{equal, mapped};
 use domain::{Halo, Particles, Partition, PeriodicBox, RemoteHolder, Traceless, Units, Vector, remote_columns, sphere};
 use gpu::{
-    ColumnUnits, Cuda, Device, DeviceError, DeviceMotion, LoadFactors, MovedParticles, NearInput, NearTables, PairDraw,
-    PlacedParticles, SplitFarField, SurfaceLaws,
+    Cuda, Device, DeviceError, DeviceMotion, MovedParticles, NearInput, NearTables, PairDraw, PlacedParticles,
+    SplitFarField, SurfaceLaws,
 };
 use images::{HostImages, PlacedClasses};
 use kept_lists::KeptLists;
@@ -363,34 +364,18 @@ impl CoupledFarField for DeviceFarField {
     }
 
     fn solve(&mut self, problem: &CoupledProblem) -> CoupledSolution {
-        let largest = largest_load(problem, self.largest_resistance, self.largest_surface_force);
-        let (own, given) = (self.units.with_force(largest), problem.units);
-        self.units = own;
-        let units = ColumnUnits { velocity: given.velocity(), rate: given.rate(), torque: given.torque() };
-        let factors = LoadFactors {
-            force: 1.0 / own.force,
-            torque: given.torque() / own.torque(),
-            velocity: own.velocity() / given.velocity(),
-            rate: own.rate() / given.rate(),
-        };
-        self.kept.release_unused();
-        let positions = self.particles.positions.remote_list();
-        let lists = SolutionLists { kept: &self.kept, places: &self.places, positions, units };
-        let orders = self.tables.orders([true; 2], [true; 2]);
-        let solution = coupled::solve(&self.split, problem, &lists, &factors, &orders);
-        self.note_evaluations(1 + solution.outcome.iterations as u64, [true; 2]);
-        solution
+        self.solve_coupled(problem)
+    }
+
+    fn residual(&mut self, known: &KnownSolution) -> CoupledResidual {
+        self.coupled_residual(known)
+    }
+
+    fn changed(&mut self, known: &KnownSolution, change: &ChangeLimits) -> ChangedSolution {
+        self.change_coupled(known, change)
     }
 
     fn holder(&self) -> Rc<dyn RemoteHolder> {
         Rc::clone(&self.kept) as Rc<dyn RemoteHolder>
     }
-}
-
-/// Largest load of a problem: one that is given, a force between surfaces, or that by which single spheres with a
-/// resistance of at most this size resist ambient motions and strain.
-fn largest_load(problem: &CoupledProblem, resistance: f64, surface: f64) -> f64 {
-    let CoupledProblem { loads, ambient, background, .. } = problem;
-    let moved = ambient.iter().chain(background).fold(0.0, |largest: f64, rate| largest.max(rate.abs()));
-    loads.largest().max(surface.abs()).max(resistance * moved)
 }

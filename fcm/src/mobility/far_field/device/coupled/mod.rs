@@ -3,7 +3,9 @@
 //! It follows the solve of `hydrodynamics`, whose equations are there, step by step, in `f64` except for the far field
 //! and the numbers of soft pairs.
 
+mod change;
 mod preconditioner;
+mod problems;
 
 use super::kept_lists::KeptLists;
 use super::succeeded;
@@ -47,7 +49,7 @@ struct ResidentSystem<'a> {
 }
 
 /// Solves a problem; factors are those to the units of the far field.
-pub(super) fn solve(
+fn solve(
     field: &SharedField,
     problem: &CoupledProblem,
     lists: &SolutionLists,
@@ -56,15 +58,7 @@ pub(super) fn solve(
 ) -> CoupledSolution {
     let count = lists.places.len();
     succeeded(field.borrow_mut().begin_coupled(problem.background, factors));
-    let mut system = ResidentSystem {
-        field: field.clone(),
-        matrix: ResidentPreconditioner::new(field, SIX * count, problem.tolerances.preconditioner),
-        image: ResidentVector::wide(field, RESIDUALS * count),
-        known: ResidentVector::wide(field, SIX * count),
-        orders,
-        count,
-        sums: CoupledSums::default(),
-    };
+    let mut system = ResidentSystem::new(field, count, problem.tolerances.preconditioner, orders);
     let [mut x, mut z] = [(); 2].map(|()| ResidentVector::wide(field, UNKNOWNS * count));
     let mut residual = ResidentVector::wide(field, RESIDUALS * count);
     let columns = system.start(problem, lists, [&x, &residual]);
@@ -88,7 +82,20 @@ pub(super) fn solve(
     CoupledSolution { motion, is_finite: square.is_finite(), columns, compared, outcome }
 }
 
-impl ResidentSystem<'_> {
+impl<'a> ResidentSystem<'a> {
+    /// For this many particles, with the relative error of the preconditioner. Known loads are undefined.
+    fn new(field: &SharedField, count: usize, preconditioner: f64, orders: &'a Orders) -> Self {
+        Self {
+            field: field.clone(),
+            matrix: ResidentPreconditioner::new(field, SIX * count, preconditioner),
+            image: ResidentVector::wide(field, RESIDUALS * count),
+            known: ResidentVector::wide(field, SIX * count),
+            orders,
+            count,
+            sums: CoupledSums::default(),
+        }
+    }
+
     /// Unknowns and residual from which the iteration starts: the motions that near pairs have under the loads that
     /// the past solutions lead to. Returns the columns of the solution, which are not known yet.
     fn start(
@@ -144,14 +151,19 @@ impl ResidentSystem<'_> {
 
     /// Result after a last correction, the preconditioned residual, which is refined in the near field.
     fn finish(&mut self, problem: &CoupledProblem, at: &CoupledVectors, are_moving: bool) -> StoredResult {
-        let [.., of_x, of_z] = self.sums;
+        self.refine_last(problem.tolerances.end, at);
         let moments = some_of(problem.moments).map(|values| ResidentVector::wide_of(&self.field, values));
         let moments = moments.as_ref().map(|vector| vector.list);
-        let mut field = self.field.borrow_mut();
-        if self.matrix.tighten_to(problem.tolerances.end * (of_x / of_z).sqrt()) {
-            succeeded(field.refine_coupled(at, self.matrix.limits()));
+        succeeded(self.field.borrow_mut().store_coupled(at, &self.known.list, moments, are_moving))
+    }
+
+    /// Refines the preconditioned residual, the last correction of the unknowns, to an error in the near field relative
+    /// to these.
+    fn refine_last(&mut self, tolerance: f64, at: &CoupledVectors) {
+        let [.., of_x, of_z] = self.sums;
+        if self.matrix.tighten_to(tolerance * (of_x / of_z).sqrt()) {
+            succeeded(self.field.borrow_mut().refine_coupled(at, self.matrix.limits()));
         }
-        succeeded(field.store_coupled(at, &self.known.list, moments, are_moving))
     }
 }
 
