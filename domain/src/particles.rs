@@ -78,6 +78,14 @@ impl Particles {
         &mut self.columns[place]
     }
 
+    /// Sets the values of the column of this name, which is made if there is none yet.
+    pub fn set_column(&mut self, name: &str, width: usize, values: ColumnValues) {
+        match self.columns.iter_mut().find(|column| column.name == name) {
+            Some(column) => column.values = values,
+            None => self.columns.push(Column { name: name.to_owned(), width, values }),
+        }
+    }
+
     /// The values of columns of these names and widths, all different, created with zeros if there are none yet.
     pub fn columns_of<const N: usize>(&mut self, names: [&str; N], widths: [usize; N]) -> [&mut Vec<f64>; N] {
         names.iter().zip(widths).for_each(|(name, width)| _ = self.column(name, width));

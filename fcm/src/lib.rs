@@ -67,13 +67,16 @@ pub use conjugate_gradients::{
 pub use dipoles::{DipoleError, DipoleField, DipoleProblem, DipoleSolution, Magnetisation};
 pub use envelope::{Envelope, Quadrupole};
 pub use gpu::{
-    GUESSED, NearInput, NearKind, NearTables, PAST, PairRows, SurfaceKind, SurfaceLaws, SurfacePair, WALL_NUMBERS,
+    CloseSpheres, GUESSED, NearInput, NearKind, NearTables, PAST, PairRows, SurfaceKind, SurfaceLaws, SurfacePair,
+    WALL_NUMBERS,
 };
 pub use grid::stencil::Support;
 pub use lanczos::{DrawDiagnostics, LanczosLimits, square_root_times};
 pub use mobility::coupled::{
-    CoupledFarField, CoupledProblem, CoupledSolution, CoupledTolerances, GivenLoads, HeldLoads, SolutionColumns,
+    CoupledFarField, CoupledProblem, CoupledSolution, CoupledTolerances, GivenAmbient, GivenLoads, HeldLoads,
+    SolutionColumns,
 };
+pub use mobility::fluctuating::{FluctuatingFarField, HeldDraw, HeldMotions, LoadDraw};
 pub use mobility::loads::{Loads, Motion, Output};
 pub use mobility::memory::Footprint;
 pub use mobility::noise::Stream;
