@@ -325,6 +325,16 @@ mod tests {
     }
 
     #[test]
+    fn columns_are_set_whether_they_are_there_or_not() {
+        let mut particles = scattered(2);
+        for number in [4.0, 5.0] {
+            particles.set_column("spin", 1, vec![number, -number].into());
+            assert_eq!(*particles.column("spin", 1).values, [number, -number]);
+            assert_eq!(particles.columns.len(), 2);
+        }
+    }
+
+    #[test]
     fn stores_whose_columns_do_not_fit_are_refused() {
         let whole = scattered(3);
         assert_eq!(whole.check(), Ok(()));

@@ -78,3 +78,16 @@ pub(crate) fn changed(known: &[u8], bytes: &[u8]) -> Option<Range<usize>> {
     let last = (first..bytes.len()).rfind(is_new)?;
     Some(first..last + 1)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Bytes that change are copied with those between them, and others are not.
+    #[test]
+    fn changes_are_from_the_first_to_the_last() {
+        assert_eq!(changed(&[1, 2, 3], &[1, 2, 3]), None);
+        assert_eq!(changed(&[1, 2, 3, 4], &[1, 0, 3, 0]), Some(1..4));
+        assert_eq!(changed(&[1, 2, 3], &[0, 2, 3]), Some(0..1));
+    }
+}

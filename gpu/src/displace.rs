@@ -11,7 +11,7 @@ use std::mem::offset_of;
 /// Columns of displacements and of velocities at most.
 pub const MOST_COLUMNS: usize = 8;
 
-/// Numbers of a particle that moves on the device besides its steps across the faces of the box, before and after a step that may fail: position and lattice steps,
+/// Numbers of a particle that moves on the device, before and after a step that may fail: position and lattice steps,
 /// the velocity and up to three past ones, which change with the frame of reference, and the motion of a new solution
 /// beside the last angular velocity.
 pub(crate) const MOVING: usize = 2 * (3 + 3 + 4 * 3) + 6 + 3;

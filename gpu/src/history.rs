@@ -94,8 +94,8 @@ pub struct GuessedVectors {
     pub ambient: Option<AmbientLists>,
 }
 
-/// Motions of the fluid at the particles, eleven numbers each: on the device in the order of ids and in the units of the
-/// host, and as [`KnownInput::ambient`](crate::KnownInput::ambient), which the start of a solve sets.
+/// Motions of the fluid at the particles, eleven numbers each: on the device in the order of ids and in the units of
+/// the host, and as [`KnownInput::ambient`](crate::KnownInput::ambient), which the start of a solve sets.
 #[derive(Debug, Clone, Copy)]
 pub struct AmbientLists {
     /// Velocities, angular velocities and rates of strain of one particle after the other.

@@ -12,7 +12,7 @@ use crate::task::{DeviceAddress, KernelTask};
 pub struct PairDraw<'a> {
     /// Ids of the particles.
     pub ids: &'a [u64],
-    /// Where the particles are, unless they have moved on the device.
+    /// Places of the particles, unless they have moved on the device.
     pub places: Option<PeriodicPlaces<'a>>,
     /// Seed of the numbers.
     pub seed: u64,
@@ -59,8 +59,8 @@ impl SplitFarField {
         self.task.near_kinds != 0
     }
 
-    /// Place of the steps of the particles across the faces of the box, of which positions on the device leave out whole
-    /// periods.
+    /// Place of the steps of the particles across the faces of the box. Positions on the device leave out whole periods
+    /// of these.
     fn place_periods(&mut self, draw: &PairDraw) -> Result<DeviceAddress, DeviceError> {
         let of_periods = &mut self.buffers.names[1];
         let Some(PeriodicPlaces { fractions, steps }) = draw.places else { return Ok(of_periods.address()) };

@@ -34,7 +34,7 @@ pub struct SolveInput<'a> {
     /// there are some.
     pub moving_in: Option<&'a BackgroundFlow>,
     /// Random motions and loads of particles that move there, in place of other ambient motions and loads.
-    pub fluctuations: Option<&'a Fluctuations>,
+    pub fluctuations: Option<&'a HeldFluctuations>,
     /// Whether the flux between two walls is kept at its value without particles, by an additional flow along x.
     pub constant_flux: bool,
 }
@@ -59,7 +59,7 @@ impl<'a> SolveInput<'a> {
 }
 
 /// Random motions and loads of particles that move where the far field is evaluated, where these are too.
-pub struct Fluctuations {
+pub struct HeldFluctuations {
     /// Motions of the fluid at each particle, see [`fcm::HeldMotions::ambient`]. The solve starts from spheres that are
     /// moved by them, as from [`Guess::induced_by`].
     pub ambient: ColumnValues,

@@ -7,8 +7,8 @@ use domain::{Particles, PeriodicBox};
 use fcm::{CloseSpheres, DrawDiagnostics, HeldDraw, HeldLoads, HeldMotions, LoadDraw, Stream};
 
 impl CoupledSolver {
-    /// Random motions of the fluid at particles that move where the far field is evaluated, as of [`Self::noise`], times
-    /// an amplitude; `None` if none move there.
+    /// Random motions of the fluid, as of [`Self::noise`], times an amplitude, at particles that move where the far
+    /// field is evaluated; `None` if none move there.
     pub fn draw_motions(&mut self, cell: &PeriodicBox, draw: &HeldDraw) -> Option<(HeldMotions, DrawDiagnostics)> {
         let mobility = self.far.mobility();
         mobility.follow(cell, draw.particles);

@@ -8,7 +8,7 @@ use crate::forces::acting::Acting;
 use domain::Particles;
 use fcm::HeldDraw;
 use hydrodynamics::brownian::{AMBIENT, AMBIENT_NUMBERS};
-use hydrodynamics::{Fluctuations, Guess, Solution};
+use hydrodynamics::{Guess, HeldFluctuations, Solution};
 
 /// Message of a panic, which would be a mistake in the program.
 const ELSEWHERE: &str = "the far field moves these particles";
@@ -40,7 +40,7 @@ impl Dynamics {
         }
         let loads = hydrodynamics.draw_loads(moving.cell(), particles, stream, amplitude).expect(ELSEWHERE);
         let ambient = particles.column(AMBIENT, AMBIENT_NUMBERS).values.clone();
-        let fluctuations = Some(Fluctuations { ambient, loads });
+        let fluctuations = Some(HeldFluctuations { ambient, loads });
         let acting = Acting { fluctuations, ..Acting::default() };
         self.solved(particles, &acting, &acting.ambient, Guess::default(), moment)
     }

@@ -5,8 +5,8 @@ use crate::bodies;
 use domain::Particles;
 
 impl Dynamics {
-    /// Leaves the forces of pairs between surfaces to the solver, if its back end adds them up: those on free spheres in
-    /// steps that do not need these pairs here. Pairs within a rigid body have no forces.
+    /// Leaves the forces of pairs between surfaces to the solver, if its back end adds them up: those of free spheres,
+    /// in steps that do not need these pairs here. Pairs within a rigid body have no forces.
     pub(super) fn leave_surface_forces(&mut self, particles: &Particles) {
         let Self { forces, hydrodynamics, largest_radius, needs_pairs, .. } = self;
         if !*needs_pairs && !bodies::exist(particles) {

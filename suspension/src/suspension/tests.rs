@@ -112,12 +112,11 @@ fn spheres_move_as_on_the_host() {
 #[test]
 fn particles_stay_on_the_card() {
     for model in [sheared(), settling()] {
-        stays_on_the_card(&model, [2000, 600]);
+        stays_on_the_card(&model);
     }
 }
 
-/// Takes a step on the card with fewer bytes to the card and from there than some.
-fn stays_on_the_card(model: &Model, most: [u64; 2]) {
+fn stays_on_the_card(model: &Model) {
     let (device, counts) = emulator(1);
     let mut card = advanced(on(started(model, None), device), STEPS + 2);
     let before = counts.borrow().clone();
@@ -125,7 +124,9 @@ fn stays_on_the_card(model: &Model, most: [u64; 2]) {
     let copied = |after: [u64; 2], before: [u64; 2]| after[1] - before[1];
     let after = counts.borrow().clone();
     let [up, down] = [copied(after.uploads, before.uploads), copied(after.downloads, before.downloads)];
-    assert!(up < most[0] && down < most[1], "{up} and {down} bytes");
+    // Each iteration of the solve has settings and a state.
+    let iterations = card.outcome.iterations as u64;
+    assert!(up < 1300 + 64 * iterations && down < 500 + 104 * iterations, "{up} and {down} bytes, {iterations}");
     let is_here = |name: &str| card.particles.columns.iter().find(|c| c.name == name).unwrap().values.is_here();
     assert!([VELOCITY, ANGULAR_VELOCITY, STRESSLET].into_iter().all(|name| !is_here(name)));
     assert!(!card.particles.positions.is_here() && !card.particles.steps.is_here());

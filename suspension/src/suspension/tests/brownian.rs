@@ -57,6 +57,8 @@ fn agrees(model: &Model, allowed: f64) -> DeviceCounts {
             run.step().unwrap();
         }
         assert!(card.particles.are_remote());
+        // From the same start.
+        assert!(card.outcome.iterations <= host.outcome.iterations + 2);
         let [moved, error] = [&start, &card].map(|run| distance(run, &host));
         assert!(error < allowed * moved, "step {step}: {error:e} of {moved:e}");
         let [of_card, of_host] = [&card, &host].map(|run| run.overlap_counts().unwrap());
@@ -74,7 +76,7 @@ fn agrees(model: &Model, allowed: f64) -> DeviceCounts {
 #[test]
 fn particles_stay_on_the_card() {
     for model in [in_shear(), under_weight(true), under_weight(false)] {
-        stays_on_the_card(&model, [2500, 1000]);
+        stays_on_the_card(&model);
     }
 }
 
@@ -137,8 +139,9 @@ fn lost_spheres_are_named() {
     let [mut host, mut card] = [started(&model, None), on(started(&model, None), emulator(1).0)];
     let before = by_id(&card.state().particles);
     let errors = [&mut host, &mut card].map(|run| run.step().unwrap_err().to_string());
-    let beginnings = errors.each_ref().map(|error| error.split(" is at ").next().unwrap());
-    assert!(errors[1].contains("which is no place") && beginnings[0] == beginnings[1], "{errors:?}");
+    // Which of the lost spheres is named depends on their order.
+    let ends = errors.each_ref().map(|error| error.split("], ").last().unwrap());
+    assert!(ends[1].contains("which is no place") && ends[0] == ends[1], "{errors:?}");
     assert_eq!(by_id(&card.state().particles), before);
 }
 
