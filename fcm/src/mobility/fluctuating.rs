@@ -7,10 +7,10 @@ use domain::{ColumnValues, Particles, Units};
 use gpu::{CloseSpheres, NearTables};
 use solver::BackgroundFlow;
 
-/// A far field that moves particles, draws their random motions and loads, and keeps both.
+/// A far field that moves particles with stresslets, draws their random motions and loads, and keeps both.
 pub trait FluctuatingFarField {
-    /// Draws random motions of the arranged particles, whose covariance is the mobility times the square of an
-    /// amplitude.
+    /// Draws random motions of the arranged particles, which move there, with the mobility times the square of an
+    /// amplitude as covariance.
     fn draw_motions(&mut self, draw: &HeldDraw) -> (HeldMotions, DrawDiagnostics);
 
     /// Adds random forces and torques, as of [`CoupledFarField::random_loads`], to steady loads, by tables that are

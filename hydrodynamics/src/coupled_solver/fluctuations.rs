@@ -8,15 +8,19 @@ use fcm::{CloseSpheres, DrawDiagnostics, HeldDraw, HeldLoads, HeldMotions, LoadD
 
 impl CoupledSolver {
     /// Random motions of the fluid, as of [`Self::noise`], times an amplitude, at particles that move where the far
-    /// field is evaluated; `None` if none move there.
+    /// field is evaluated; `None` if it moves no particles.
+    ///
+    /// # Panics
+    ///
+    /// Unless these particles have moved there.
     pub fn draw_motions(&mut self, cell: &PeriodicBox, draw: &HeldDraw) -> Option<(HeldMotions, DrawDiagnostics)> {
         let mobility = self.far.mobility();
         mobility.follow(cell, draw.particles);
         Some(mobility.fluctuating()?.draw_motions(draw))
     }
 
-    /// The loads of [`Self::hold_loads`] and random loads, as of [`Self::pair_noise`], times an amplitude, on these
-    /// particles; `None` if none move there.
+    /// The loads of [`Self::hold_loads`] and random loads, as of [`Self::pair_noise`], times an amplitude, on particles
+    /// that move where the far field is evaluated; `None` without loads that are held there.
     pub fn draw_loads(
         &mut self,
         cell: &PeriodicBox,
