@@ -181,7 +181,7 @@ impl SplitFarField {
         let [image, unknowns, stiff_loads, list_y] =
             [at.known, at.motions, at.moving, at.moments].map(|list| list.address);
         let residual = at.ambient.map_or(0, |lists| lists.known.address);
-        let task = KernelTask { list_y, unknowns, image, stiff_loads, ambient, residual, ..self.task };
+        let task = KernelTask { list_y, unknowns, residual, image, stiff_loads, ambient, ..self.task };
         self.launch_particles("guess_all", &task)
     }
 

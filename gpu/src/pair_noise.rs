@@ -48,7 +48,7 @@ impl SplitFarField {
         let (ids, periods) = (self.place_ids(draw.ids)?, self.place_periods(draw)?);
         let (image, near_reach, factor) = (loads.address, self.bins_within(reach), draw.factor);
         let ambient = draw.given.map_or(0, |list| list.address);
-        let task = KernelTask { ids, periods, image, near_reach, factor, ambient, ..self.task };
+        let task = KernelTask { ids, periods, image, ambient, factor, near_reach, ..self.task };
         let kernel = &format!("random_loads_{}", self.tables.numbers.suffix());
         self.device.launch(&KernelLaunch { kernel, blocks, threads }, &task)?;
         Ok(loads)

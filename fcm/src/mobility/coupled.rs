@@ -59,8 +59,8 @@ pub enum GivenAmbient<'a> {
     /// Velocities and angular velocities of all particles, six numbers each, then their rates of strain, five each;
     /// empty if there are none.
     Here(Vec<f64>),
-    /// Motions where the far field is evaluated, in the original units: [`HeldMotions::ambient`]. At the start of the
-    /// solve they are those that other spheres induce, in place of past solutions.
+    /// Motions where the far field is evaluated, in the original units: [`crate::HeldMotions::ambient`]. At the start
+    /// of the solve they are those that other spheres induce, in place of past solutions.
     Held(&'a RemoteList),
 }
 

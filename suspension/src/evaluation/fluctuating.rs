@@ -29,8 +29,8 @@ pub struct Noise {
 const ROOT: f64 = 0.3;
 
 impl Dynamics {
-    /// Draws random motions of the fluid at the particles, and stores velocities as of
-    /// [`Self::store_drawn_velocities`]. Collective.
+    /// Draws random motions of the fluid at the particles, and stores their velocities plus the background flow as the
+    /// first past velocities; bodies have the means over their spheres. Collective.
     pub fn draw_velocities(&mut self, particles: &mut Particles, noise: Noise) {
         if particles.are_remote() {
             self.draw_remotely(particles, noise);
