@@ -78,6 +78,14 @@ impl Particles {
         &mut self.columns[place]
     }
 
+    /// Sets the values of the column of this name, which is made if there is none yet.
+    pub fn set_column(&mut self, name: &str, width: usize, values: ColumnValues) {
+        match self.columns.iter_mut().find(|column| column.name == name) {
+            Some(column) => column.values = values,
+            None => self.columns.push(Column { name: name.to_owned(), width, values }),
+        }
+    }
+
     /// The values of columns of these names and widths, all different, created with zeros if there are none yet.
     pub fn columns_of<const N: usize>(&mut self, names: [&str; N], widths: [usize; N]) -> [&mut Vec<f64>; N] {
         names.iter().zip(widths).for_each(|(name, width)| _ = self.column(name, width));
@@ -314,6 +322,16 @@ mod tests {
         assert_eq!(particles.vectors("velocity"), [Vector::ZERO, Vector::ONE]);
         particles.vectors("force")[1] = Vector::new(1.0, 2.0, 3.0);
         assert_eq!(*particles.column("force", 3).values, [0.0, 0.0, 0.0, 1.0, 2.0, 3.0]);
+    }
+
+    #[test]
+    fn columns_are_set_whether_they_are_there_or_not() {
+        let mut particles = scattered(2);
+        for number in [4.0, 5.0] {
+            particles.set_column("spin", 1, vec![number, -number].into());
+            assert_eq!(*particles.column("spin", 1).values, [number, -number]);
+            assert_eq!(particles.columns.len(), 2);
+        }
     }
 
     #[test]

@@ -85,18 +85,21 @@ static __device__ void displace(const Task &task)
     }
 }
 
-// Lattice coordinates of particles as fractions of 2^64, from positions in the units of the host.
+// Lattice coordinates of particles as fractions of 2^64, from positions in the units of the host; and from the lattice
+// steps that were taken out of positions, those that are taken out of the fractions.
 static __device__ void place_particles(const Task &task)
 {
     int row = thread_index();
     if (row >= task.particles) return;
     const Numbers &box = *task.numbers;
-    const double *x = (const double *)task.list_x + 3 * (long long)task.places[row];
+    long long at = 3 * (long long)task.places[row];
+    const double *x = (const double *)task.list_x + at, *steps = (const double *)task.list_y + at;
     double along[3] = {x[0] - box.strain * x[1], x[1], x[2]};
     for (int axis = 0; axis < 3; axis++) {
         double fraction = along[axis] / (box.edges[axis] * box.length);
-        double scaled = (fraction - floor(fraction)) * 18446744073709551616.0 + 0.5;
-        ((unsigned long long *)task.positions)[3 * row + axis] =
-            scaled < 18446744073709551616.0 ? (unsigned long long)scaled : 0;
+        double whole = floor(fraction), scaled = (fraction - whole) * 18446744073709551616.0 + 0.5;
+        bool is_below = scaled < 18446744073709551616.0;
+        ((unsigned long long *)task.positions)[3 * row + axis] = is_below ? (unsigned long long)scaled : 0;
+        task.periods[3 * row + axis] = (int)(steps[axis] - whole) - (is_below ? 0 : 1);
     }
 }

@@ -145,11 +145,25 @@ static void launch(unsigned blocks, unsigned threads, const std::function<void()
 
 static void __syncthreads() { emulator::barrier(); }
 
-static int atomicAdd(int *address, int value)
+template <typename N> static N atomicAdd(N *address, N value)
 {
-    int before = *address;
+    N before = *address;
     *address += value;
     return before;
+}
+
+template <typename N> static N atomicMax(N *address, N value)
+{
+    N before = *address;
+    *address = std::max(before, value);
+    return before;
+}
+
+static long long __double_as_longlong(double value)
+{
+    long long bits;
+    memcpy(&bits, &value, sizeof bits);
+    return bits;
 }
 
 static unsigned long long __umul64hi(unsigned long long a, unsigned long long b)

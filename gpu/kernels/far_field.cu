@@ -6,6 +6,7 @@
 #include "channel.h"
 #include "coupled.h"
 #include "displace.h"
+#include "drawn.h"
 #include "exchange.h"
 #include "grouping.h"
 #include "history.h"
@@ -13,6 +14,7 @@
 #include "krylov.h"
 #include "loads.h"
 #include "noise.h"
+#include "overlaps.h"
 #include "pair_noise.h"
 #include "pair_steps.h"
 #include "pairs.h"
@@ -60,6 +62,8 @@
     KERNEL(assemble_soft_##suffix, assemble<T, SOFT>)     \
     KERNEL(surface_forces_##suffix, surface_forces<T>)    \
     KERNEL(random_loads_##suffix, random_loads<T>)        \
+    KERNEL(drawn_motions_##suffix, store_drawn<T>)        \
+    KERNEL(overlapping_pairs_##suffix, count_overlaps<T>) \
     KERNEL(coupled_loads_##suffix, coupled_loads<T>)      \
     KERNEL(coupled_image_##suffix, coupled_image<T>)      \
     KERNEL(krylov_loads_##suffix, loads_of_vector<T>)     \

@@ -27,6 +27,9 @@ struct History {
     // gradient of the background by rows, and its angular velocity.
     const double *positions;
     double *moving, *turning, gradient[9], spin[3];
+    // Motions of the fluid at the particles, which are induced at the start of a solve in place of those of past
+    // solutions, or 0: velocities, angular velocities and rates of strain.
+    const double *ambient;
 };
 
 // A number of a column extrapolated by the line, and by the parabola minus the line.
@@ -52,7 +55,8 @@ static __device__ double guessed(const History &history, int k, long long at)
 }
 
 // Start of a solve: known loads, those that are given and those of near pairs in the background; motions; loads that
-// move single spheres as those of all others do in the guess; and minus the stresslets.
+// move single spheres as those of all others do in the guess; minus the stresslets; and motions of the fluid, if there
+// are any.
 static __device__ void guess_solution(const Task &task)
 {
     int row = thread_index();
@@ -60,18 +64,22 @@ static __device__ void guess_solution(const Task &task)
     const History &history = *task.history;
     long long place = task.places[row];
     const double *in_flow = task.in_flow + (SIX + COMPONENTS) * (long long)row;
+    const double *ambient = history.ambient ? history.ambient + (SIX + COMPONENTS) * place : nullptr;
     for (int k = 0; k < SIX; k++) {
         long long at = (long long)SIX * row + k, from = 3 * place + k % 3;
         double unit = 1 / (k < 3 ? history.velocity : history.rate);
         double load = in_flow[k] + (task.ambient ? task.ambient[at] : 0);
-        double induced = unit * guessed(history, column::INDUCED + k / 3, from);
+        double induced = unit * (ambient ? ambient[k] : guessed(history, column::INDUCED + k / 3, from));
+        if (ambient) task.residual[at] = induced;
         task.image[at] = load;
         task.unknowns[at] = unit * guessed(history, column::MOTION + k / 3, from);
         task.stiff_loads[at] = load + resistances_of(task, row)[k / 3] * induced;
     }
     for (int k = 0; k < COMPONENTS; k++) {
         double stresslet = guessed(history, column::FAR_STRESSLET, COMPONENTS * place + k);
-        ((double *)task.list_y)[COMPONENTS * (long long)row + k] = -(stresslet / history.torque);
+        long long at = COMPONENTS * (long long)row + k;
+        ((double *)task.list_y)[at] = -(stresslet / history.torque);
+        if (ambient) task.residual[(long long)SIX * task.particles + at] = ambient[SIX + k] / history.rate;
     }
 }
 

@@ -63,7 +63,8 @@ static __device__ void add_modes(
     }
 }
 
-// Random loads of all near pairs on each sphere, six numbers each. Each of two spheres computes the numbers of its pair.
+// Random loads of all near pairs on each sphere times a factor, six numbers each, added to given loads if there
+// are any. Each of two spheres computes the numbers of its pair.
 template <typename T> __device__ void random_loads(const Task &task)
 {
     int target = thread_index();
@@ -90,5 +91,8 @@ template <typename T> __device__ void random_loads(const Task &task)
         add_modes(stiff_table(task, kind, gap), pair.axis, is_larger ? 1 : 0, modes, load);
     };
     visit_around<T>(task, target, task.near_reach, visit);
-    for (int k = 0; k < SIX; k++) task.image[SIX * row + k] = load[k];
+    for (int k = 0; k < SIX; k++) {
+        double given = task.ambient ? task.ambient[SIX * row + k] : 0;
+        task.image[SIX * row + k] = given + task.factor * load[k];
+    }
 }

@@ -74,6 +74,7 @@ struct NearKind;
 struct SurfacePair;
 struct History;
 struct Displacement;
+struct DrawnMotion;
 
 // gpu/src/task.rs has the same fields in the same order. Lists without a type hold values of the precision of the
 // grid, sorted positions unsigned integers of the same size.
@@ -119,7 +120,7 @@ struct Task {
     // particles have made across the faces of the box.
     const unsigned long long *ids;
     KrylovState *krylov;
-    const int *periods;
+    int *periods;
     // List that is summed up, and sums of its blocks.
     int *scanned, *scan_totals;
     // Vectors that are combined, weights of the classes of radius, and sums of blocks.
@@ -166,12 +167,15 @@ struct Task {
     // Columns of solutions, and the places of rows in them.
     const History *history;
     const int *places;
-    // Particles that move.
+    // Particles that move, and random motions of the fluid at them.
     Displacement *displacement;
+    const DrawnMotion *drawn;
 
     double cutoff_square, inverse_viscosity;
     // Multiplier of the solve: square of the Gaussian's width, coefficient of k^2 in the bracket.
     double gaussian, widening;
+    // Factor of random loads.
+    double factor;
     long long list_size;
     // Number of sums of blocks of the kernel before.
     long long block_count;

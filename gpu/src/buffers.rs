@@ -2,6 +2,7 @@
 
 use crate::device::{Device, DeviceError};
 use crate::task::DeviceAddress;
+use std::ops::Range;
 
 /// Part of the memory of a list that it takes in addition when it grows: one over this.
 const SPARE: usize = 8;
@@ -39,5 +40,54 @@ impl Buffer {
         let address = self.reserve(device, bytes.len())?;
         device.upload(address, bytes)?;
         Ok(address)
+    }
+}
+
+/// A list whose values the host knows, so that only those are copied that change.
+#[derive(Debug, Default)]
+pub(crate) struct KnownBuffer {
+    buffer: Buffer,
+    bytes: Vec<u8>,
+}
+
+impl KnownBuffer {
+    /// Address of a copy of these bytes, of which those from the first to the last one that is not there are copied.
+    pub fn fill(&mut self, device: &mut dyn Device, bytes: &[u8]) -> Result<DeviceAddress, DeviceError> {
+        if self.bytes.len() != bytes.len() || bytes.is_empty() {
+            bytes.clone_into(&mut self.bytes);
+            return self.buffer.fill(device, bytes);
+        }
+        let address = self.buffer.address();
+        if let Some(changed) = changed(&self.bytes, bytes) {
+            device.upload(address + changed.start as u64, &bytes[changed])?;
+            self.bytes.copy_from_slice(bytes);
+        }
+        Ok(address)
+    }
+
+    /// Forgets the values, which the device has changed.
+    pub fn forget(&mut self) {
+        self.bytes.clear();
+    }
+}
+
+/// The range from the first to the last of some bytes that differs from the same number of others.
+pub(crate) fn changed(known: &[u8], bytes: &[u8]) -> Option<Range<usize>> {
+    let is_new = |&place: &usize| known[place] != bytes[place];
+    let first = (0..bytes.len()).find(is_new)?;
+    let last = (first..bytes.len()).rfind(is_new)?;
+    Some(first..last + 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Bytes that change are copied with those between them, and others are not.
+    #[test]
+    fn changes_are_from_the_first_to_the_last() {
+        assert_eq!(changed(&[1, 2, 3], &[1, 2, 3]), None);
+        assert_eq!(changed(&[1, 2, 3, 4], &[1, 0, 3, 0]), Some(1..4));
+        assert_eq!(changed(&[1, 2, 3], &[0, 2, 3]), Some(0..1));
     }
 }

@@ -40,6 +40,8 @@ pub struct DisplacementInput {
 pub struct MovedParticles<'a> {
     /// Positions in the order of ids, in the units of the host.
     pub positions: DeviceList,
+    /// Lattice steps that were taken out of them.
+    pub steps: DeviceList,
     /// Classes of radius, unless they are those of the particles that were arranged last.
     pub classes: Option<&'a [u32]>,
     /// Unit of length of the host over that of the far field.
@@ -105,19 +107,24 @@ impl SplitFarField {
         let mut is_lost = 0_i64;
         let place = displacement + offset_of!(Displacement, is_lost) as u64;
         on.download(place, bytemuck::bytes_of_mut(&mut is_lost))?;
+        if is_lost != 0 {
+            self.buffers.displacement.forget();
+        }
         Ok(is_lost == 0)
     }
 
     /// [`Self::arrange`] of particles that move on the device, all of which are there.
     pub fn arrange_moved(&mut self, particles: &MovedParticles) -> Result<(), DeviceError> {
-        let &MovedParticles { positions, classes, length } = particles;
+        let &MovedParticles { positions, steps, classes, length } = particles;
         if let Some(classes) = classes {
             self.count_particles(classes.len(), classes.len());
             self.copy_classes(classes)?;
         }
         self.set_numbers(&KernelNumbers { length, ..self.numbers })?;
         self.reserve_particles()?;
-        let task = KernelTask { list_x: positions.address, ..self.task };
+        let bytes = 3 * size_of::<i32>() * self.task.particles as usize;
+        let periods = self.buffers.names[1].reserve(self.device.as_mut(), bytes)?;
+        let task = KernelTask { list_x: positions.address, list_y: steps.address, periods, ..self.task };
         self.launch_particles("place_all", &task)?;
         self.list_neighbours()
     }

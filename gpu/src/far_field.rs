@@ -1,6 +1,6 @@
 //! Particles, tables and lists of the split method on a device.
 
-use crate::buffers::Buffer;
+use crate::buffers::{Buffer, KnownBuffer};
 use crate::device::{Device, DeviceError, DeviceInfo, KernelLaunch};
 use crate::krylov_state::KrylovBuffers;
 use crate::lists::DeviceList;
@@ -91,7 +91,7 @@ pub(crate) struct Buffers {
     parts: [Buffer; 2],
     pub(crate) of_solve: [Buffer; 4],
     pub(crate) images: [Buffer; 3],
-    of_box: [Buffer; 2],
+    of_box: [KnownBuffer; 2],
     pub(crate) particles: [Buffer; 8],
     pub(crate) bins: [Buffer; 2],
     pub(crate) scans: [Buffer; 4],
@@ -112,11 +112,15 @@ pub(crate) struct Buffers {
     /// Ids of particles, and their steps across the faces of the box.
     pub(crate) names: [Buffer; 2],
     /// Arguments of the columns of solutions, places of rows in them, and sums of comparisons.
-    pub(crate) history: Buffer,
+    pub(crate) history: KnownBuffer,
     pub(crate) places: Buffer,
     pub(crate) compared: Buffer,
-    /// Arguments of a displacement.
-    pub(crate) displacement: Buffer,
+    /// Arguments of a displacement, and of random motions.
+    pub(crate) displacement: KnownBuffer,
+    pub(crate) drawn: KnownBuffer,
+    /// Limits of overlaps, and sums.
+    pub(crate) overlap_limits: KnownBuffer,
+    pub(crate) overlaps: Buffer,
 }
 
 impl Buffers {
@@ -137,6 +141,8 @@ pub struct SplitFarField {
     pub(crate) near: NearRows,
     /// Laws of forces between surfaces that are there.
     pub(crate) surface_laws: Option<SurfaceLaws>,
+    /// Whether the ids of the particles are there.
+    pub(crate) has_ids: bool,
     pub(crate) repeated: [Repeated; COMMAND_LISTS],
     /// Lists that were released.
     pub(crate) spare: Vec<DeviceList>,
@@ -212,6 +218,7 @@ impl SplitFarField {
             buffers,
             near: NearRows::default(),
             surface_laws: None,
+            has_ids: false,
             repeated: Default::default(),
             spare: Vec::new(),
             peers: None,

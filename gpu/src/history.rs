@@ -90,6 +90,18 @@ pub struct GuessedVectors {
     pub moving: DeviceList,
     /// Minus the stresslets.
     pub moments: DeviceList,
+    /// Motions of the fluid, if they are on the device.
+    pub ambient: Option<AmbientLists>,
+}
+
+/// Motions of the fluid at the particles, eleven numbers each: on the device in the order of ids and in the units of
+/// the host, and as [`KnownInput::ambient`](crate::KnownInput::ambient), which the start of a solve sets.
+#[derive(Debug, Clone, Copy)]
+pub struct AmbientLists {
+    /// Velocities, angular velocities and rates of strain of one particle after the other.
+    pub given: DeviceList,
+    /// See above.
+    pub known: DeviceList,
 }
 
 /// A solution whose columns are stored: velocities, then angular velocities of all particles, three numbers each,
@@ -120,21 +132,24 @@ struct History {
     moving: [DeviceAddress; 2],
     gradient: [f64; 9],
     spin: [f64; 3],
+    ambient: DeviceAddress,
 }
 
 /// Bytes of these arguments.
 pub(crate) const ARGUMENT_BYTES: f64 = size_of::<History>() as f64;
 
 impl SplitFarField {
-    /// Sets the place of each row in the columns of solutions.
+    /// Sets the place of each row in the columns of solutions, for particles with other ids than before.
     pub fn set_places(&mut self, places: &[u32]) -> Result<(), DeviceError> {
+        self.has_ids = false;
         let Self { device, buffers, task, .. } = self;
         task.places = buffers.places.fill(device.as_mut(), bytemuck::cast_slice(places))?;
         Ok(())
     }
 
     /// Starts a solve from past solutions, with given loads besides those of near pairs in the background, if there are
-    /// any. The solution will be stored in the columns `found`.
+    /// any. Motions of the fluid that are on the device are those that other spheres induce at the start. The solution
+    /// will be stored in the columns `found`.
     pub fn guess_coupled(
         &mut self,
         past: &PastLists,
@@ -159,12 +174,14 @@ impl SplitFarField {
             (history.positions, history.moving) = (positions.address, motions.map(|list| list.address));
             (history.gradient, history.spin) = (gradient, spin);
         }
+        history.ambient = at.ambient.map_or(0, |lists| lists.given.address);
         let Self { device, buffers, task, .. } = self;
         task.history = buffers.history.fill(device.as_mut(), bytemuck::bytes_of(&history))?;
         let ambient = given.map_or(0, |list| list.address);
         let [image, unknowns, stiff_loads, list_y] =
             [at.known, at.motions, at.moving, at.moments].map(|list| list.address);
-        let task = KernelTask { list_y, unknowns, image, stiff_loads, ambient, ..self.task };
+        let residual = at.ambient.map_or(0, |lists| lists.known.address);
+        let task = KernelTask { list_y, unknowns, residual, image, stiff_loads, ambient, ..self.task };
         self.launch_particles("guess_all", &task)
     }
 

@@ -44,12 +44,12 @@ impl SplitFarField {
         self.place_loads(draw.has_dipoles)?;
         self.place_motions([true, draw.has_dipoles])?;
         self.set_numbers(&KernelNumbers { noise_seed: draw.seed, ..self.numbers })?;
+        self.place_ids(draw.ids)?;
         let (blocks, bytes) = (self.blocks(), self.vector_bytes());
         let (on, own) = (self.device.as_mut(), &mut self.buffers.krylov);
         own.count = 0;
         let state = own.state.reserve(on, size_of::<u64>() * (SCALARS + 2 * MOST_VECTORS))?;
         on.upload(state, bytemuck::bytes_of(&-1_i64))?;
-        self.buffers.names[0].fill(on, bytemuck::cast_slice(draw.ids))?;
         own.scales.fill(on, bytemuck::cast_slice(draw.scales.as_flattened()))?;
         own.remainder.reserve(on, bytes)?;
         own.sums.reserve(on, size_of::<f64>() * MOST_VECTORS * blocks)?;

@@ -15,6 +15,7 @@ mod coupled;
 mod cuda;
 mod device;
 mod displace;
+mod drawn;
 mod emulator;
 mod evaluation;
 mod exchange;
@@ -29,6 +30,7 @@ mod memory;
 mod near;
 mod near_tables;
 mod numbers;
+mod overlaps;
 mod pair_noise;
 mod pair_rows;
 mod present;
@@ -51,11 +53,12 @@ pub use coupled::{
 pub use cuda::Cuda;
 pub use device::{Device, DeviceError, DeviceInfo, KernelLaunch, TransformPart, TransformTask};
 pub use displace::{DisplacementInput, MOST_COLUMNS, MovedParticles};
+pub use drawn::DrawnLists;
 pub use emulator::Emulator;
 pub use far_field::{DeviceLoads, DeviceMotion, Orders, PlacedParticles, SplitFarField, StageSeconds};
 pub use history::{
-    COLUMN_WIDTHS, COLUMNS, ColumnUnits, FoundLists, GUESSED, GuessedVectors, MovingLists, PAST, PastLists,
-    StoredResult,
+    AmbientLists, COLUMN_WIDTHS, COLUMNS, ColumnUnits, FoundLists, GUESSED, GuessedVectors, MovingLists, PAST,
+    PastLists, StoredResult,
 };
 pub use images::ImageLists;
 pub use krylov::{KrylovOperator, ParticleDraw};
@@ -64,7 +67,8 @@ pub use lists::{DeviceList, MotionLists};
 pub use memory::{EvaluationBytes, EvaluationSize, HISTORY_BYTES, NearSize, SolveKind};
 pub use near::{PairLimits, PairSolve, PairVectors};
 pub use near_tables::{NearKind, NearTables};
-pub use pair_noise::PairDraw;
+pub use overlaps::{CloseSpheres, OverlapLimits};
+pub use pair_noise::{PairDraw, PeriodicPlaces};
 pub use pair_rows::{IN_FLOW, OWN_NUMBERS, PAIR_NUMBERS, PairRows, PairSet, WALL_NUMBERS};
 pub use share::{GridShare, Peers, StencilSums};
 pub use strain::{StrainSums, StrainVectors};

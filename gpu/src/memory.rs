@@ -63,8 +63,9 @@ pub struct NearSize {
 }
 
 /// Bytes of a particle in the columns of past solutions that the steps of a run keep, those to which a step that fails
-/// returns among them.
-pub const HISTORY_BYTES: f64 = (size_of::<f64>() * (KEPT + MOVING)) as f64;
+/// returns among them, and in those of its motion, with three integers: its steps across the faces of the box.
+/// Brownian steps have fewer: random motions and loads, in place of older solutions.
+pub const HISTORY_BYTES: f64 = (size_of::<f64>() * (KEPT + MOVING) + 3 * size_of::<i32>()) as f64;
 
 impl NearSize {
     /// Bytes of the pairs and of the vectors of the iteration, and of one solution.

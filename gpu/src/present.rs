@@ -1,15 +1,17 @@
 //! Numbers and state of a device at present.
 
+use crate::buffers::changed;
 use crate::device::DeviceError;
 use crate::far_field::SplitFarField;
 use crate::numbers::{KernelNumbers, SolveSettings, SolveState};
 use crate::task::DeviceAddress;
 
 impl SplitFarField {
-    /// Copies numbers to the device unless they are there.
+    /// Copies numbers to the device, from the first to the last that is not there.
     pub(crate) fn set_numbers(&mut self, numbers: &KernelNumbers) -> Result<(), DeviceError> {
-        if self.numbers != *numbers {
-            self.device.upload(self.task.numbers, bytemuck::bytes_of(numbers))?;
+        let bytes = bytemuck::bytes_of(numbers);
+        if let Some(changed) = changed(bytemuck::bytes_of(&self.numbers), bytes) {
+            self.device.upload(self.task.numbers + changed.start as u64, &bytes[changed])?;
             self.numbers = *numbers;
         }
         Ok(())

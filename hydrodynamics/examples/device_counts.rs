@@ -49,8 +49,8 @@ const GROUPS: [(&str, &[&str]); 9] = [
     ("near pairs, and preconditioner", &["row_loads", "step_pairs", "turn_pairs", "remainder_"]),
     ("vectors and sums", &["sum_", "step_all", "measure_", "start_", "gather_all", "coupled_"]),
     ("columns of solutions", &["guess_", "store_", "compare_"]),
-    ("motion of the spheres", &["displace_", "place_all"]),
-    ("random motions and loads", &["random_", "krylov_"]),
+    ("motion of the spheres", &["displace_", "place_all", "overlapping_"]),
+    ("random motions and loads", &["random_", "krylov_", "drawn_"]),
 ];
 
 impl CountedCase {

@@ -26,6 +26,6 @@ pub use coupled_solver::{CoupledSolver, ShortRange};
 pub use mobility::memory::SingleEvaluation;
 pub use mobility::overlaps::Overlaps;
 pub use mobility::{Drift, Mobility, MobilityError, MobilityParameters, Motions};
-pub use solution::{Guess, KeptSolution, NO_AMBIENT, Solution, SolveInput, StoredSolution};
+pub use solution::{Guess, HeldFluctuations, KeptSolution, NO_AMBIENT, Solution, SolveInput, StoredSolution};
 pub use springs::{BondSprings, ContactSprings, PairSprings, Springs, TetherResistance};
 pub use squirming::{Squirming, SquirmingRefused};

@@ -5,8 +5,8 @@ use crate::bodies::RigidBodies;
 use crate::springs::Springs;
 use crate::squirming::Squirming;
 use domain::parallel::FusedLoops;
-use domain::{RemoteHolder, Traceless, Vector, remote_columns};
-use fcm::{GUESSED, Loads, Motion, PastSolutions, SolutionColumns};
+use domain::{ColumnValues, RemoteHolder, Traceless, Vector, remote_columns};
+use fcm::{GUESSED, HeldLoads, Loads, Motion, PastSolutions, SolutionColumns};
 use solver::BackgroundFlow;
 
 /// Input of a solve: loads, ambient flow, implicit springs.
@@ -33,6 +33,8 @@ pub struct SolveInput<'a> {
     /// other columns, and the loads are those of [`CoupledSolver::hold_loads`](crate::CoupledSolver::hold_loads), if
     /// there are some.
     pub moving_in: Option<&'a BackgroundFlow>,
+    /// Random motions and loads of particles that move there, in place of other ambient motions and loads.
+    pub fluctuations: Option<&'a HeldFluctuations>,
     /// Whether the flux between two walls is kept at its value without particles, by an additional flow along x.
     pub constant_flux: bool,
 }
@@ -50,9 +52,19 @@ impl<'a> SolveInput<'a> {
             surface_forces: false,
             keeps_columns: false,
             moving_in: None,
+            fluctuations: None,
             constant_flux: false,
         }
     }
+}
+
+/// Random motions and loads of particles that move where the far field is evaluated, where these are too.
+pub struct HeldFluctuations {
+    /// Motions of the fluid at each particle, see [`fcm::HeldMotions::ambient`]. The solve starts from spheres that are
+    /// moved by them, as from [`Guess::induced_by`].
+    pub ambient: ColumnValues,
+    /// Steady and random loads.
+    pub loads: HeldLoads,
 }
 
 /// Solution for the motions of the spheres.

@@ -21,8 +21,9 @@ pub trait CoupledFarField {
     fn in_flow(&mut self) -> Vec<[f64; 11]>;
 
     /// Random forces and torques, six numbers a particle, whose covariance is the resistance of the near pairs of the
-    /// arranged particles, by tables that are made once, as in [`Self::assemble`]. The seed is that of the numbers of
-    /// pairs, which depend on the ids of the particles and their steps across the faces of the box.
+    /// arranged particles, whose positions are here, by tables that are made once, as in [`Self::assemble`]. The seed
+    /// is that of the numbers of pairs, which depend on the ids of the particles and their steps across the faces of
+    /// the box.
     fn random_loads(&mut self, tables: &dyn Fn() -> NearTables, particles: &Particles, seed: u64) -> Vec<f64>;
 
     /// Solves a problem for the arranged particles, which have stresslets, with the near pairs that were assembled
@@ -116,15 +117,35 @@ pub enum GivenLoads<'a> {
     Held(&'a HeldLoads),
 }
 
+/// Ambient motions of a problem.
+pub enum GivenAmbient<'a> {
+    /// Velocities and angular velocities of all particles, six numbers each, then their rates of strain, five each;
+    /// empty if there are none.
+    Here(Vec<f64>),
+    /// Motions where the far field is evaluated, in the original units: [`crate::HeldMotions::ambient`]. At the start
+    /// of the solve they are those that other spheres induce, in place of past solutions.
+    Held(&'a RemoteList),
+}
+
 /// Forces and torques in the memory where the far field is evaluated.
 pub struct HeldLoads {
     /// The numbers, if there are any.
     list: Option<RemoteList>,
-    /// Largest magnitude of a number.
+    /// Largest magnitude of a number, or an estimate.
     largest: f64,
 }
 
 impl HeldLoads {
+    /// Loads in a list, if there are any, with the magnitude of the largest.
+    pub(crate) fn of(list: Option<RemoteList>, largest: f64) -> Self {
+        Self { list, largest }
+    }
+
+    /// Magnitude of the largest number.
+    pub(crate) fn largest(&self) -> f64 {
+        self.largest
+    }
+
     /// Copies loads to a memory, six numbers a particle in the order of ids; empty if there are none.
     pub fn new(loads: &[f64], holder: &dyn RemoteHolder) -> Self {
         Self { list: (!loads.is_empty()).then(|| holder.hold(loads)), largest: largest(loads) }
@@ -141,7 +162,7 @@ impl GivenLoads<'_> {
     pub(crate) fn largest(&self) -> f64 {
         match self {
             Self::Here(loads) => largest(loads),
-            Self::Held(held) => held.largest,
+            Self::Held(held) => held.largest(),
         }
     }
 }
@@ -165,9 +186,8 @@ pub struct CoupledProblem<'a> {
     pub loads: GivenLoads<'a>,
     /// First moments of other near pairs in the background, five numbers a particle; empty if there are none.
     pub moments: &'a [f64],
-    /// Ambient velocities and angular velocities of all particles, six numbers each, then their rates of strain, five
-    /// each; empty if there are none.
-    pub ambient: Vec<f64>,
+    /// Ambient motions.
+    pub ambient: GivenAmbient<'a>,
     /// Rate of strain of the background: xx, xy, xz, yy and yz.
     pub background: [f64; 5],
     /// Solutions from which the iteration starts, in the original units.

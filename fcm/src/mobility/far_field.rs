@@ -7,6 +7,7 @@ mod grid;
 use crate::conjugate_gradients::{IterationOutcome, Limits};
 use crate::lanczos::DrawDiagnostics;
 use crate::mobility::coupled::CoupledFarField;
+use crate::mobility::fluctuating::FluctuatingFarField;
 use crate::mobility::loads::{Loads, Motion, Output};
 use crate::mobility::noise::NoiseRequest;
 use crate::mobility::work::Work;
@@ -60,6 +61,11 @@ pub(crate) trait FarField {
 
     /// The back end itself, if it solves together with near pairs.
     fn coupled(&mut self) -> Option<&mut dyn CoupledFarField> {
+        None
+    }
+
+    /// The back end itself, if it moves particles and draws random motions and loads for them.
+    fn fluctuating(&mut self) -> Option<&mut dyn FluctuatingFarField> {
         None
     }
 

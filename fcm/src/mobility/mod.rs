@@ -2,6 +2,7 @@
 
 pub(crate) mod coupled;
 mod far_field;
+pub(crate) mod fluctuating;
 pub(crate) mod loads;
 pub(crate) mod memory;
 pub(crate) mod noise;
@@ -12,6 +13,7 @@ pub(crate) mod work;
 
 use crate::lanczos::DrawDiagnostics;
 use crate::mobility::coupled::CoupledFarField;
+use crate::mobility::fluctuating::FluctuatingFarField;
 use crate::plan::Plan;
 use crate::plan::problem::Multipoles;
 use crate::plan::sample_points::SamplePoints;
@@ -131,6 +133,11 @@ impl Mobility {
     /// The far field, if it finds near pairs and draws their random loads, which have no flow of [`Self::constrain`].
     pub fn near_pairs(&mut self) -> Option<&mut dyn CoupledFarField> {
         self.far.coupled()
+    }
+
+    /// The far field, if it moves particles and draws random motions and loads for them.
+    pub fn fluctuating(&mut self) -> Option<&mut dyn FluctuatingFarField> {
+        self.far.fluctuating()
     }
 
     /// The far field, if it adds up forces between surfaces.

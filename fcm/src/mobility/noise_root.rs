@@ -52,9 +52,14 @@ pub(crate) fn sum_in_units(
     in_units(noise::motion(&sum), multipoles, units)
 }
 
+/// Factors of random velocities, and of angular velocities and rates of strain, from units of length and viscosity.
+pub(crate) fn factors_of_units(units: &Units) -> [f64; 2] {
+    [units.length, units.length.powi(3)].map(|size| (size * units.viscosity).sqrt().recip())
+}
+
 /// Random motions from units of length and viscosity.
 pub(crate) fn in_units(mut motion: Motion, multipoles: Multipoles, units: &Units) -> Motion {
-    let [velocity, rate] = [units.length, units.length.powi(3)].map(|size| (size * units.viscosity).sqrt().recip());
+    let [velocity, rate] = factors_of_units(units);
     let Motion { velocities, angular_velocities, strain_rates } = &mut motion;
     let mut loops = FusedLoops::default();
     loops.change_rows(velocities, move |_, v| *v *= velocity);

@@ -9,7 +9,7 @@ use fcm::{Loads, Motion, SolveError};
 
 /// Column of the ambient motion of the fluid at each particle, and its width. This column and the following ones do not
 /// exist between steps.
-const AMBIENT: &str = "ambient motion";
+pub const AMBIENT: &str = "ambient motion";
 /// Numbers of a particle in that column.
 pub const AMBIENT_NUMBERS: usize = 11;
 

@@ -8,7 +8,7 @@ use crate::pairs::search::{NearPairs, Pairs};
 use crate::pairs::squeezed::{PRESSED, SQUEEZED};
 use crate::preconditioner::Preconditioner;
 use crate::six_vector::{SixVector, SixVectors};
-use crate::solution::{Guess, Solution};
+use crate::solution::{Guess, HeldFluctuations, Solution};
 use crate::system::{CoupledSystem, FinalIterate, SingleSpheres, SystemSolution, SystemStart, single};
 use crate::units::{self, Scaled};
 use crate::unknowns::Unknowns;
@@ -41,6 +41,8 @@ pub(super) struct SolveCase<'a> {
     pub(super) loads: &'a Loads,
     /// Loads in place of these that are where the far field is evaluated.
     pub(super) held: Option<&'a HeldLoads>,
+    /// See [`crate::SolveInput::fluctuations`].
+    pub(super) fluctuations: Option<&'a HeldFluctuations>,
     pub(super) ambient: &'a Motion,
     pub(super) guess: Guess,
     /// Whether the columns of the solution may stay where the far field is evaluated.

@@ -1,6 +1,7 @@
 //! Rigid spheres with lubrication: coupled solve of the far field and the near field.
 
 mod constant_flux;
+mod fluctuations;
 mod lubricated_solve;
 mod near_pairs;
 mod on_device;
@@ -204,9 +205,9 @@ impl CoupledSolver {
                     particles: &own,
                     strain_rate,
                 };
-                let SolveInput { keeps_columns, moving_in, .. } = acting;
+                let SolveInput { keeps_columns, moving_in, fluctuations, .. } = acting;
                 let held = self.held_loads.as_ref().filter(|_| moving_in.is_some());
-                let case = SolveCase { loads, held, ambient, guess, keeps_columns, moving_in };
+                let case = SolveCase { loads, held, fluctuations, ambient, guess, keeps_columns, moving_in };
                 let solved = solve.run(Scaled { mobility, units }, case)?;
                 return Ok(self.with_flux(solved, flux.as_ref()));
             }

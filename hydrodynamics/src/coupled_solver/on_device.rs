@@ -8,8 +8,8 @@ use crate::units::Scaled;
 use domain::parallel::of_rows;
 use domain::{Particles, RemoteHolder, Units, remote_columns};
 use fcm::{
-    CoupledProblem, CoupledSolution, CoupledTolerances, GivenLoads, HeldLoads, Limits, Loads, Mobility, Motion,
-    SolutionColumns, SolveError,
+    CoupledProblem, CoupledSolution, CoupledTolerances, GivenAmbient, GivenLoads, HeldLoads, Limits, Loads, Mobility,
+    Motion, SolutionColumns, SolveError,
 };
 
 /// Relative error of the preconditioner's inner solves: a device, whose steps are few, takes them four at a time.
@@ -18,17 +18,20 @@ pub(super) const SHARP: f64 = 1e-2;
 impl LubricatedSolve<'_> {
     /// The solve by the back end of the far field, where the near pairs are.
     pub(super) fn on_device(&self, scaled: Scaled, given: SolveCase, limits: Limits) -> Result<Solution, SolveError> {
-        let SolveCase { loads, held, ambient, guess, keeps_columns, moving_in } = given;
+        let SolveCase { loads, held, fluctuations, ambient, guess, keeps_columns, moving_in } = given;
         let Scaled { mobility, units } = scaled;
         let swimming = self.with_quadrupoles(mobility, ambient);
         let ambient = swimming.as_ref().unwrap_or(ambient);
         let far = mobility.coupled().expect("near pairs are where the far field solves with them");
+        let held = fluctuations.map(|random| &random.loads).or(held);
         let loads_here = if held.is_some() { Vec::new() } else { self.other_loads(loads, &units) };
+        let remote = fluctuations.and_then(|random| random.ambient.remote_list());
+        let ambient_here = || GivenAmbient::Here(columns(ambient, &units, self.particles.len()));
         let solved = far.solve(&CoupledProblem {
             units,
             loads: held.map_or(GivenLoads::Here(&loads_here), GivenLoads::Held),
             moments: self.other_moments(),
-            ambient: columns(ambient, &units, self.particles.len()),
+            ambient: remote.map_or_else(ambient_here, GivenAmbient::Held),
             background: self.strain_rate.at_zero.0,
             past: &guess.solutions(),
             moving_in: moving_in.copied(),

@@ -29,17 +29,33 @@ pub struct Noise {
 const ROOT: f64 = 0.3;
 
 impl Dynamics {
+    /// Draws random motions of the fluid at the particles, and stores their velocities plus the background flow as the
+    /// first past velocities; bodies have the means over their spheres. Collective.
+    pub fn draw_velocities(&mut self, particles: &mut Particles, noise: Noise) {
+        if particles.are_remote() {
+            self.draw_remotely(particles, noise);
+        } else {
+            self.fluctuate(particles, noise);
+            self.store_drawn_velocities(particles);
+        }
+    }
+
     /// Draws random motions of the fluid at the particles. Collective.
     pub fn fluctuate(&mut self, particles: &mut Particles, noise: Noise) {
-        let (cell, tolerance) = (*self.moving.cell(), ROOT * self.tolerance);
+        let (cell, tolerance) = (*self.moving.cell(), self.random_tolerance());
         let (motion, drawn) = self.hydrodynamics.noise(&cell, particles, tolerance, noise.stream);
         self.clipped = self.clipped.max(drawn.clipped);
         set_ambient(particles, &motion, noise.amplitude);
     }
 
+    /// Relative error of random motions.
+    pub(super) fn random_tolerance(&self) -> f64 {
+        ROOT * self.tolerance
+    }
+
     /// Stores the velocities of the drawn motions plus the background flow as the first past velocities; bodies have
     /// the means over their spheres.
-    pub fn store_drawn_velocities(&self, particles: &mut Particles) {
+    fn store_drawn_velocities(&self, particles: &mut Particles) {
         let drawn = ambient(particles);
         let drawn = self.rigid_means(particles, drawn);
         self.note_carried(particles, PAST[0], &drawn.velocities);
@@ -90,6 +106,9 @@ impl Dynamics {
     ) -> Result<(Loads, Solution), StepError> {
         self.unless_interrupted()?;
         self.wrap_and_migrate(particles, moment)?;
+        if particles.are_remote() {
+            return Ok((Loads::default(), self.solve_remotely(particles, moment, noise)?));
+        }
         let near = self.forces.shared_near(particles, self.domain());
         if let Some(near) = &near {
             self.monitor_overlaps(particles, near);

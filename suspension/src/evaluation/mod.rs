@@ -15,6 +15,7 @@ mod queries;
 mod record;
 mod relative;
 mod remote_motion;
+mod remote_noise;
 pub mod stage_time;
 mod stiffness_adaptation;
 pub mod stress;
@@ -37,7 +38,7 @@ use crate::forces::contacts::Contacts;
 use crate::forces::force::Force;
 use crate::forces::{Forces, SharedRanges};
 use crate::model::box_axes::UserAxes;
-use crate::model::{Integrator, Model, MultipoleOrder};
+use crate::model::{BrownianScheme, Integrator, Model, MultipoleOrder};
 use crate::neighbourhood::PairsWithHalo;
 use crate::swimmers::Swimmers;
 use domain::parallel::stage;
@@ -57,6 +58,8 @@ pub struct Dynamics {
     forces: Forces,
     swimmers: Option<Swimmers>,
     is_implicit: bool,
+    /// Whether steps need the pairs of forces here: implicit ones, and Brownian ones with two evaluations.
+    needs_pairs: bool,
     hydrodynamics: CoupledSolver,
     lubrication: Option<LubricationRange>,
     warm_start: WarmStart,
@@ -112,6 +115,7 @@ impl Dynamics {
             forces: forces.with_fields(&setup.problem, setup.partition.comm())?,
             swimmers: Swimmers::of(model),
             is_implicit,
+            needs_pairs: is_implicit || model.integrator == Integrator::Brownian(BrownianScheme::TwoEvaluations),
             rigid: model.hydrodynamics.multipoles == MultipoleOrder::Dipole,
             viscosity: model.viscosity,
             tolerance: model.hydrodynamics.tolerance,
@@ -322,7 +326,7 @@ impl Dynamics {
     fn solved(
         &mut self,
         particles: &mut Particles,
-        Acting { loads, resistances, .. }: &Acting,
+        Acting { loads, resistances, fluctuations, .. }: &Acting,
         ambient: &Motion,
         guess: Guess,
         moment: &StageTime,
@@ -343,6 +347,7 @@ impl Dynamics {
             surface_forces,
             keeps_columns: true,
             moving_in,
+            fluctuations: fluctuations.as_ref(),
             constant_flux,
             ..input
         };

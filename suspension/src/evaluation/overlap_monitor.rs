@@ -4,7 +4,7 @@ use crate::error::gap::Gap;
 use crate::model::{BrownianScheme, Extension, Integrator, Model};
 use crate::neighbourhood::{PairsWithHalo, SeparatedPair};
 use domain::{Boundaries, DomainView, Number, Particles};
-use fcm::Method;
+use fcm::{CloseSpheres, Method};
 use lubrication::LubricationRange;
 
 /// Pairs, of two spheres or a sphere and a wall, that are too close at the positions where the motions were solved for.
@@ -56,6 +56,17 @@ impl OverlapMonitor {
         domain.comm().max(&mut depth);
         let [overlapping, at_minimum_gap] = counts.map(|count| count as u64);
         self.last = OverlapCounts { overlapping, at_minimum_gap, depth: depth[0] };
+    }
+
+    /// Takes pairs that were counted where the particles move.
+    pub fn note(&mut self, found: CloseSpheres) {
+        let CloseSpheres { overlapping, at_minimum_gap, depth } = found;
+        self.last = OverlapCounts { overlapping, at_minimum_gap, depth };
+    }
+
+    /// Minimum gap of lubrication, over the mean radius; `None` without lubrication.
+    pub fn minimum_gap(&self) -> Option<f64> {
+        self.floor
     }
 
     /// Result of the last examination.

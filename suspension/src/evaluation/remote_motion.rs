@@ -7,7 +7,8 @@ use domain::Particles;
 
 impl Dynamics {
     /// Moves particles to where the far field is evaluated, if nothing else needs their positions in each step: free
-    /// spheres without orientations in steps of a given length, whose forces are steady or added there. Between steps.
+    /// spheres without orientations in steps of a given length, explicit ones or those of the Brownian midpoint scheme,
+    /// whose forces are steady or added there. Between steps.
     pub(super) fn move_to_far_field(&mut self, particles: &mut Particles) {
         if particles.are_remote() || !self.moves_remotely(particles) {
             return;
@@ -20,11 +21,10 @@ impl Dynamics {
 
     /// Whether particles move where the far field is evaluated.
     fn moves_remotely(&mut self, particles: &Particles) -> bool {
-        let is_explicit = !self.is_implicit && self.overlap_monitor.is_none();
         let is_plain = self.rigid && self.swimmers.is_none() && self.following.is_none();
         let are_free = !bodies::exist(particles) && !rotation::is_oriented(particles);
         let are_placed_by_flow = self.moving.advects() || self.moving.total_poiseuille().is_some();
-        is_explicit
+        !self.needs_pairs
             && is_plain
             && are_free
             && !are_placed_by_flow

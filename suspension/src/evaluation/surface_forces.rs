@@ -5,13 +5,11 @@ use crate::bodies;
 use domain::Particles;
 
 impl Dynamics {
-    /// Leaves the forces of pairs between surfaces to the solver, if its back end adds them up: those of explicit
-    /// steps of free spheres. Implicit and Brownian steps need these pairs here, and pairs within a rigid body have no
-    /// forces.
+    /// Leaves the forces of pairs between surfaces to the solver, if its back end adds them up: those of free spheres,
+    /// in steps that do not need these pairs here. Pairs within a rigid body have no forces.
     pub(super) fn leave_surface_forces(&mut self, particles: &Particles) {
-        let Self { forces, hydrodynamics, largest_radius, is_implicit, overlap_monitor, .. } = self;
-        let is_brownian = overlap_monitor.is_some();
-        if !*is_implicit && !is_brownian && !bodies::exist(particles) {
+        let Self { forces, hydrodynamics, largest_radius, needs_pairs, .. } = self;
+        if !*needs_pairs && !bodies::exist(particles) {
             forces.leave_surfaces(*largest_radius, |laws| hydrodynamics.take_surface_forces(laws));
         }
     }

@@ -5,8 +5,7 @@ use crate::neighbourhood::{NeighbourLists, PairsWithHalo};
 use domain::parallel::RowLists;
 use domain::{DomainView, Particles, Traceless, Vector};
 use fcm::{Loads, Motion};
-use hydrodynamics::TetherResistance;
-use hydrodynamics::{BondSprings, ContactSprings};
+use hydrodynamics::{BondSprings, ContactSprings, HeldFluctuations, TetherResistance};
 use lubrication::PairKind;
 
 /// Particles of a rank at one time.
@@ -88,6 +87,8 @@ pub struct Acting {
     /// Motions of the ambient fluid at the particles, such as slip; empty lists stand for none. Lubrication takes no
     /// account of them: it resists motions relative to the background flow.
     pub ambient: Motion,
+    /// Random motions and loads, in place of these, of particles that move where the far field is evaluated.
+    pub fluctuations: Option<HeldFluctuations>,
 }
 
 /// Resistance, force over velocity, of two particles or of a particle and a wall, as a function of the distance.

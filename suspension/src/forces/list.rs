@@ -226,10 +226,11 @@ impl Forces {
         self.bonds.as_ref().is_some_and(Bonds::have_beams)
     }
 
-    /// Whether a force, or others who share its lists of neighbours, need positions in each evaluation.
+    /// Whether a force, or others who share its lists of neighbours, need positions in each evaluation; those who need
+    /// pairs at the positions of forces do not.
     pub fn need_positions(&self) -> bool {
         let Self { contacts, bonds, traps, dipoles, others, applied, registered, shared, .. } = self;
-        let are_near = self.range_in_solves.is_some() || shared.with_forces.is_some() || shared.others.is_some();
+        let are_near = self.range_in_solves.is_some() || shared.others.is_some();
         let are_tied = contacts.is_some() || bonds.is_some() || traps.is_some();
         let are_many = dipoles.is_empty() && others.is_empty() && registered.is_empty() && applied.is_empty();
         are_near || are_tied || !are_many

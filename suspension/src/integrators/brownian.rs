@@ -102,8 +102,7 @@ fn midpoint(
     dynamics: &mut Dynamics,
 ) -> Result<Outcome, StepError> {
     let half = 0.5 * clock.dt();
-    dynamics.fluctuate(particles, noise);
-    dynamics.store_drawn_velocities(particles);
+    dynamics.draw_velocities(particles, noise);
     motion::advance(particles, [PAST[0]], [half]);
     let middle = StageTime::in_step(clock, 0.5, 0);
     add_divergence_of_bodies(particles, &middle, noise, dynamics)?;

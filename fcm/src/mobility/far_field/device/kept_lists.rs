@@ -4,7 +4,7 @@ use super::succeeded;
 use super::vectors::SharedField;
 use crate::mobility::past_solutions::PastSolutions;
 use domain::{ColumnValues, RemoteAdvance, RemoteDisplacement, RemoteHolder, RemoteList};
-use gpu::{COLUMN_WIDTHS, COLUMNS, DeviceList, DisplacementInput, MovingLists, PastLists};
+use gpu::{COLUMN_WIDTHS, COLUMNS, DeviceList, DisplacementInput, DrawnLists, MovingLists, PastLists};
 use solver::BackgroundFlow;
 use std::cell::RefCell;
 
@@ -36,6 +36,21 @@ impl KeptLists {
         (lists, motions.map(|list| ColumnValues::remote(self.keep(list))))
     }
 
+    /// Lists for random motions of particles that move at positions in a remote list, in a flow, with factors of
+    /// velocities and of gradients; and what stands for the motions and for velocities in the flow.
+    pub fn drawn(
+        &self,
+        positions: &RemoteList,
+        flow: &BackgroundFlow,
+        factors: [f64; 2],
+    ) -> (DrawnLists, [ColumnValues; 2]) {
+        let positions = self.held(positions);
+        let [ambient, velocities] = [11, 3].map(|numbers| self.list(numbers * positions.count() / 3));
+        let gradient = flow.gradient().transpose().to_cols_array();
+        let lists = DrawnLists { ambient, velocities, positions, factors, gradient };
+        (lists, [ambient, velocities].map(|list| ColumnValues::remote(self.keep(list))))
+    }
+
     /// A list of this many values, which are undefined.
     fn list(&self, count: usize) -> DeviceList {
         succeeded(self.field.borrow_mut().wide_list(count))
@@ -46,13 +61,15 @@ impl KeptLists {
         self.find(remote).expect("a list is kept as long as something stands for it")
     }
 
-    fn keep(&self, list: DeviceList) -> RemoteList {
+    /// Keeps a list as long as something stands for it.
+    pub fn keep(&self, list: DeviceList) -> RemoteList {
         let remote = RemoteList::new();
         self.lists.borrow_mut().push((remote.clone(), list));
         remote
     }
 
-    fn find(&self, remote: &RemoteList) -> Option<DeviceList> {
+    /// The list that something stands for, if it is one of these.
+    pub fn find(&self, remote: &RemoteList) -> Option<DeviceList> {
         self.lists.borrow().iter().find(|(kept, _)| kept == remote).map(|(_, list)| *list)
     }
 

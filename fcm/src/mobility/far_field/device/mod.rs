@@ -6,7 +6,9 @@
 //! The flow of degenerate quadrupoles, which a solve needs once, and that at points of the fluid are evaluated on the
 //! host, by the same plan.
 
+mod arrangement;
 mod coupled;
+mod fluctuating;
 mod images;
 mod kept_lists;
 mod present;
@@ -23,24 +25,25 @@ use crate::mobility::coupled::{
 };
 use crate::mobility::far_field::grid::GridFarField;
 use crate::mobility::far_field::{FarField, FlowAtPoints, RigidFarField, RigidProblem, RigidSolution, SurfaceFarField};
+use crate::mobility::fluctuating::FluctuatingFarField;
 use crate::mobility::loads::{Loads, Motion, Output};
 use crate::mobility::noise::NoiseRequest;
 use crate::mobility::work::Work;
 use crate::plan::Plan;
 use crate::plan::device::number_of_card;
-use domain::parallel::{equal, mapped};
-use domain::{Halo, Particles, Partition, PeriodicBox, RemoteHolder, Traceless, Units, Vector, remote_columns, sphere};
+use domain::parallel::mapped;
+use domain::{Halo, Particles, Partition, PeriodicBox, RemoteHolder, Traceless, Units, Vector, sphere};
 use gpu::{
-    Cuda, Device, DeviceError, DeviceMotion, MovedParticles, NearInput, NearTables, PairDraw, PlacedParticles,
-    SplitFarField, SurfaceLaws,
+    Cuda, Device, DeviceError, DeviceMotion, NearInput, NearTables, PairDraw, PeriodicPlaces, SplitFarField,
+    SurfaceLaws,
 };
-use images::{HostImages, PlacedClasses};
+use images::HostImages;
 use kept_lists::KeptLists;
-use present::{PresentLoads, RankPeers, grid_share};
+use present::{PresentLoads, grid_share};
 use rigid::{ResidentProblem, ResidentSolution};
 use std::cell::RefCell;
 use std::rc::Rc;
-use tables::{GridFrame, PlanTables};
+use tables::PlanTables;
 use vectors::SharedField;
 
 /// Far field of a plan on a device, in internal units as those of [`GridFarField`].
@@ -155,44 +158,6 @@ impl DeviceFarField {
         self.plan.viscosity / self.units.viscosity
     }
 
-    /// Arranges particles whose positions are here, and those of other ranks near them, in a frame of a box in internal
-    /// units. Collective.
-    fn arrange_present(&mut self, frame: &GridFrame, own: &PeriodicBox, particles: &Particles) {
-        let inverse = 1.0 / self.units.length;
-        let mut positions = mapped(&particles.positions, |&x| x * inverse);
-        let mut classes = mapped(&particles.radii, |&a| self.plan.class_of(a));
-        let halo = Rc::new(present::halo(&self.plan, &self.units, &self.partition, own, &positions));
-        halo.extend(&mut positions);
-        halo.extend(&mut classes);
-        if !halo.is_alone() {
-            let peers = RankPeers { comm: self.partition.comm().clone(), halo: Rc::clone(&halo) };
-            self.split.borrow_mut().set_peers(Rc::new(peers));
-        }
-        let fractions = frame.all_fractions(&positions);
-        let placed = PlacedParticles { fractions: fractions.as_flattened(), classes: &classes, owned: halo.owned() };
-        succeeded(self.split.borrow_mut().arrange(&placed));
-        if let Some(images) = &mut self.images {
-            let present =
-                PlacedClasses { ids: &halo.extended(&particles.ids), positions: &positions, classes: &classes };
-            succeeded(self.split.borrow_mut().set_images(&images.of(own, present, halo.owned())));
-        }
-        self.halo = halo;
-    }
-
-    /// Arranges particles that have moved on the device.
-    fn arrange_moved(&mut self, particles: &Particles) {
-        let remote = particles.positions.remote_list().expect("positions are here or on the device");
-        let Particles { ids, radii, .. } = &self.particles;
-        let are_known = self.arranged.is_some() && equal(ids, &particles.ids) && equal(radii, &particles.radii);
-        let classes = (!are_known).then(|| mapped(&particles.radii, |&a| self.plan.class_of(a)));
-        let moved = MovedParticles {
-            positions: self.kept.held(remote),
-            classes: classes.as_deref(),
-            length: self.units.length,
-        };
-        succeeded(self.split.borrow_mut().arrange_moved(&moved));
-    }
-
     /// Largest load of a problem as a force, with those by which spheres resist the rates of strain.
     fn largest_of(&self, problem: &RigidProblem) -> f64 {
         let fastest = problem.strain_rates.iter().flat_map(|e| e.0).map(f64::abs).fold(0.0, f64::max);
@@ -233,39 +198,11 @@ impl DeviceFarField {
 
 impl FarField for DeviceFarField {
     fn arrange(&mut self, cell: &PeriodicBox, particles: &Particles) {
-        let inverse = 1.0 / self.units.length;
-        let own = cell.scaled(inverse);
-        let frame = self.tables.frame(&own);
-        if self.arranged != Some(frame.lattice) {
-            succeeded(self.split.borrow_mut().set_box(&self.tables.in_box(&frame.lattice)));
-            self.arranged = Some(frame.lattice);
-        }
-        if self.particles.ids != particles.ids {
-            self.places = remote_columns::places_by_id(&particles.ids);
-            succeeded(self.split.borrow_mut().set_places(&self.places));
-        }
-        if particles.positions.is_here() {
-            self.arrange_present(&frame, &own, particles);
-        } else {
-            self.arrange_moved(particles);
-        }
-        (self.cell, self.particles) = (*cell, particles.without_columns());
-        if let Some((_, is_arranged)) = &mut self.host {
-            *is_arranged = false;
-        }
-        self.work.searches += 1;
-        self.note_seconds();
+        self.arrange_in(cell, particles);
     }
 
     fn is_arranged(&self, cell: &PeriodicBox, particles: &Particles) -> bool {
-        let Particles { positions, radii, .. } = &self.particles;
-        if self.arranged.is_none() || self.cell != *cell || radii.len() != particles.len() {
-            return false;
-        }
-        let are_here = positions.is_here() && particles.positions.is_here();
-        let is_same =
-            positions.shares_memory_with(&particles.positions) || are_here && equal(positions, &particles.positions);
-        is_same && equal(radii, &particles.radii)
+        self.arranged.is_some() && self.cell == *cell && self.are_arranged(particles)
     }
 
     fn apply(&mut self, loads: &Loads, output: Output) -> Motion {
@@ -291,6 +228,10 @@ impl FarField for DeviceFarField {
 
     fn coupled(&mut self) -> Option<&mut dyn CoupledFarField> {
         self.alone().map(|own| own as &mut dyn CoupledFarField)
+    }
+
+    fn fluctuating(&mut self) -> Option<&mut dyn FluctuatingFarField> {
+        self.alone().map(|own| own as &mut dyn FluctuatingFarField)
     }
 
     fn apply_with_quadrupoles(&mut self, loads: &Loads, quadrupoles: &[Vector]) -> Motion {
@@ -355,8 +296,13 @@ impl CoupledFarField for DeviceFarField {
         let frame = self.tables.frame(&self.cell.scaled(inverse));
         let fractions = frame.all_fractions(&mapped(&particles.positions, |&x| x * inverse));
         let (ids, fractions, steps) = (&particles.ids[..], fractions.as_flattened(), &particles.steps[..]);
-        let draw = PairDraw { ids, fractions, steps, seed };
-        succeeded(self.split.borrow_mut().random_pair_loads(&draw))
+        let places = Some(PeriodicPlaces { fractions, steps });
+        let draw = PairDraw { ids, places, seed, factor: 1.0, given: None };
+        let mut split = self.split.borrow_mut();
+        let list = succeeded(split.random_pair_loads(&draw));
+        let loads = succeeded(split.values_of(&list));
+        split.release(&list);
+        loads
     }
 
     fn in_flow(&mut self) -> Vec<[f64; 11]> {

@@ -46,6 +46,13 @@ impl DeviceFarField {
     /// Random motions of a single rank: all random numbers and vectors are on the device, and the host gets two
     /// numbers of each iteration.
     fn resident_motion(&mut self, draw: &NoiseRequest) -> (Motion, DrawDiagnostics) {
+        let drawn = self.draw_on_device(draw);
+        let motion = as_it_is(&succeeded(self.split.borrow_mut().copy_motion()));
+        (in_units(motion, self.plan.multipoles, &self.units), drawn)
+    }
+
+    /// Draws these motions, which stay on the device.
+    pub(super) fn draw_on_device(&mut self, draw: &NoiseRequest) -> DrawDiagnostics {
         let (own, has_dipoles) = (self.plan.in_units(&self.units), self.has_dipoles());
         let scales = scales_of_classes(&own.radii, own.viscosity);
         let (orders, operator) = (self.orders_of_noise(), self.operator_of_root());
@@ -65,13 +72,12 @@ impl DeviceFarField {
             KrylovOperator::Whole => succeeded(split.clear_motions()),
         }
         succeeded(split.add_from_basis(&coordinates));
-        let motion = as_it_is(&succeeded(split.copy_motion()));
         drop(split);
         match operator {
             KrylovOperator::Pairs => self.note_pair_corrections(&drawn),
             KrylovOperator::Whole => self.note_evaluations(drawn.iterations as u64, [has_dipoles; 2]),
         }
-        (in_units(motion, self.plan.multipoles, &self.units), drawn)
+        drawn
     }
 
     /// Random motions of several ranks, whose vectors are on the host: products are on their devices.

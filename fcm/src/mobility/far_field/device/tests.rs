@@ -2,6 +2,7 @@
 
 mod case;
 mod displacement;
+mod overlaps;
 mod random_motions;
 mod ranks;
 

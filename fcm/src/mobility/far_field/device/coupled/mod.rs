@@ -11,12 +11,12 @@ use super::kept_lists::KeptLists;
 use super::succeeded;
 use super::vectors::{ResidentVector, SharedField};
 use crate::conjugate_gradients::{InnerProducts, Iterate, SteppedSystem, Turn, conjugate_gradients};
-use crate::mobility::coupled::{CoupledProblem, CoupledSolution, GivenLoads, SolutionColumns};
+use crate::mobility::coupled::{CoupledProblem, CoupledSolution, GivenAmbient, GivenLoads, SolutionColumns};
 use crate::mobility::loads::Motion;
 use domain::{Comm, RemoteList, Vector};
 use gpu::{
-    ColumnUnits, CoupledDirection, CoupledSums, CoupledVectors, FoundLists, GuessedVectors, KnownInput, LoadFactors,
-    Orders, PairSet, PairSolve, RESIDUALS, StartInput, StoredResult, UNKNOWNS,
+    AmbientLists, ColumnUnits, CoupledDirection, CoupledSums, CoupledVectors, DeviceList, FoundLists, GuessedVectors,
+    KnownInput, LoadFactors, Orders, PairSet, PairSolve, RESIDUALS, StartInput, StoredResult, UNKNOWNS,
 };
 use preconditioner::ResidentPreconditioner;
 
@@ -119,22 +119,35 @@ impl<'a> ResidentSystem<'a> {
         let past = lists.kept.of(problem.past, lists.places);
         let (found, columns) = found(problem, lists);
         let vectors = self.matrix.vectors();
+        let (ambient, held) = self.ambient(problem, lists);
+        let of_ambient = ambient.as_ref().map(|vector| vector.list);
         let guessed = GuessedVectors {
             known: self.known.list,
             motions: of_motions,
             moving: vectors.given,
             moments: moments.list,
+            ambient: held.zip(of_ambient).map(|(given, known)| AmbientLists { given, known }),
         };
         succeeded(field.borrow_mut().guess_coupled(&past, &found, lists.units, given, &guessed));
         let solve = PairSolve { pairs: PairSet::All, motions: of_motions, loads: of_loads, vectors };
         let limits = ResidentPreconditioner::limits_of(problem.tolerances.start);
         succeeded(field.borrow_mut().solve_pairs(&solve, limits));
         let start = StartInput { motions: of_motions, loads: of_loads, moments: moments.list };
-        let ambient = some_of(&problem.ambient).map(|values| ResidentVector::wide_of(field, values));
-        let known = KnownInput { loads: self.known.list, ambient: ambient.as_ref().map(|vector| vector.list) };
+        let known = KnownInput { loads: self.known.list, ambient: of_ambient };
         let lists = [&x.list, &residual.list];
         succeeded(field.borrow_mut().start_coupled(lists, &start, &known, self.orders));
         columns
+    }
+
+    /// Ambient motions, if there are any, whose values are undefined if they are in another list there.
+    fn ambient(&self, problem: &CoupledProblem, lists: &SolutionLists) -> (Option<ResidentVector>, Option<DeviceList>) {
+        match &problem.ambient {
+            GivenAmbient::Here(values) => (some_of(values).map(|v| ResidentVector::wide_of(&self.field, v)), None),
+            GivenAmbient::Held(remote) => {
+                let room = ResidentVector::wide(&self.field, (SIX + FIVE) * self.count);
+                (Some(room), Some(lists.kept.held(remote)))
+            }
+        }
     }
 
     fn vectors(&self, [x, residual, z]: [&ResidentVector; 3]) -> CoupledVectors {

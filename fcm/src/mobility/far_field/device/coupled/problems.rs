@@ -3,7 +3,7 @@
 use super::super::DeviceFarField;
 use super::{SolutionLists, change};
 use crate::mobility::coupled::{
-    ChangeLimits, ChangedSolution, CoupledProblem, CoupledResidual, CoupledSolution, KnownSolution,
+    ChangeLimits, ChangedSolution, CoupledProblem, CoupledResidual, CoupledSolution, GivenAmbient, KnownSolution,
 };
 use domain::Units;
 use gpu::{ColumnUnits, LoadFactors};
@@ -17,6 +17,11 @@ impl DeviceFarField {
     /// Solves a problem.
     pub(in super::super) fn solve_coupled(&mut self, problem: &CoupledProblem) -> CoupledSolution {
         let CoupledProblem { loads, ambient, background, units: given, .. } = problem;
+        // Held loads are estimated with those that resist held motions.
+        let ambient = match ambient {
+            GivenAmbient::Here(numbers) => &numbers[..],
+            GivenAmbient::Held(_) => &[],
+        };
         let by_motions = self.largest_resistance * largest(ambient.iter().chain(background));
         let factors = self.factors(given, loads.largest().max(self.largest_surface_force.abs()).max(by_motions));
         let units = ColumnUnits { velocity: given.velocity(), rate: given.rate(), torque: given.torque() };
