@@ -1,16 +1,16 @@
-//! Counts what a card does in solves with and without lubrication and in a draw of random motions, by an emulator that
-//! runs its kernels: copies, launches, and the memory that kernels read and write. A sector of 32 bytes counts once in
+//! Counts what a card does in solves with and without lubrication and in Brownian steps, by an emulator that runs its
+//! kernels: copies, launches, and the memory that kernels read and write. A sector of 32 bytes counts once in
 //! a run of a kernel; transforms pass over their data once for each axis.
 //!
 //!     cargo run --package fcm-solve-hydrodynamics --example device_counts
 
 use domain::{Boundaries, Comm, Particles, Partition, PeriodicBox, RemoteFrame, Traceless, Vector, random_packing};
 use fcm::{
-    Costs, Fixed, Loading, Loads, Method, Mobility, Multipoles, Output, PastSolutions, Plan, Precision, Problem,
-    SolutionColumns, Stream, StressletSolver,
+    Costs, Fixed, HeldDraw, Loading, Loads, Method, Mobility, Multipoles, Output, PastSolutions, Plan, Precision,
+    Problem, SolutionColumns, Stream, StressletSolver,
 };
 use gpu::{Counted, Device, DeviceCounts, Emulator};
-use hydrodynamics::{CoupledSolver, Guess, ShortRange, SolveInput, StrainRate};
+use hydrodynamics::{CoupledSolver, Guess, HeldFluctuations, ShortRange, SolveInput, StrainRate};
 use lubrication::LubricationRange;
 use solver::BackgroundFlow;
 use std::collections::{BTreeMap, VecDeque};
@@ -31,8 +31,12 @@ struct CountedCase {
     lubricated: bool,
 }
 
-/// Column of the velocities by which spheres move.
+/// Columns of the velocities by which spheres move, and of those that are drawn.
 const VELOCITY: &str = "velocity";
+const DRAWN: &str = "drawn velocity";
+
+/// Factor of random motions and loads, by which spheres move by thousandths of their radii in a step.
+const AMPLITUDE: f64 = 1.0;
 
 /// Weights of past solutions in the start of a step, which is extrapolated by a parabola, the last one first.
 const PARABOLA: [f64; 3] = [3.0, -3.0, 1.0];
@@ -47,7 +51,7 @@ const GROUPS: [(&str, &[&str]); 9] = [
     ("groups of the preconditioner", &["begin_", "choose_", "join_", "count_", "place_groups", "invert_"]),
     ("far field", &["gather_loads", "spread_", "transform", "solve_", "interpolate_", "pair_motions"]),
     ("near pairs, and preconditioner", &["row_loads", "step_pairs", "turn_pairs", "remainder_"]),
-    ("vectors and sums", &["sum_", "step_all", "measure_", "start_", "gather_all", "coupled_"]),
+    ("vectors and sums", &["sum_", "step_all", "measure_", "start_", "gather_all", "coupled_", "strain_"]),
     ("columns of solutions", &["guess_", "store_", "compare_"]),
     ("motion of the spheres", &["displace_", "place_all", "overlapping_"]),
     ("random motions and loads", &["random_", "krylov_", "drawn_"]),
@@ -140,19 +144,17 @@ impl CountedCase {
         }
         stage(&format!("a step of a run, {iterations} iterations"), &before);
         let solution = on_card.solve(&cell, &particles, &shear, Guess::default())?;
-        let before = counts.borrow().clone();
+        let mut before = counts.borrow().clone();
         on_card.mobility().apply(&solution.far, Output::All);
         stage("an evaluation with loads and motions of the host", &before);
-        // The first draws take memory and record commands.
-        let mut draw = |number: u64| {
-            let stream = Stream::new(1, number);
-            on_card.pair_noise(&cell, &particles, None, stream);
-            on_card.noise(&cell, &particles, TOLERANCE, stream).1.iterations
-        };
-        (0..2).for_each(|number| assert!(draw(number) > 0));
-        let before = counts.borrow().clone();
-        let iterations = draw(2);
-        stage(&format!("random motions and loads of a Brownian step, {iterations} iterations"), &before);
+        // The first steps take memory and record commands.
+        let mut iterations = [0; 2];
+        for number in 0..3 {
+            before = counts.borrow().clone();
+            iterations = self.midpoint(&mut on_card, &mut moving, number)?;
+        }
+        let [drawn, solved] = iterations;
+        stage(&format!("a Brownian step, {drawn} iterations of its draw and {solved} of its solve"), &before);
         Ok(())
     }
 }
@@ -168,10 +170,9 @@ impl CountedCase {
         strain: f64,
     ) -> Result<usize, Box<dyn Error>> {
         let (cell, flow, loads) = (self.cell(strain)?, BackgroundFlow::shear(1.0), Loads::default());
-        if let Some(holder) = on_card.holder().filter(|_| !past.is_empty()) {
+        if !past.is_empty() {
             moving.displace_by([VELOCITY], [STEP]);
-            let frame = RemoteFrame { cell: &cell, gradient: flow.gradient(), farthest: 1e9 };
-            assert!(moving.advance_remotely(frame, |name| name == VELOCITY, holder));
+            advance(on_card, moving, &cell);
         }
         let shear = SolveInput::new(&loads, StrainRate::uniform(flow.strain_rate()));
         let shear = SolveInput { keeps_columns: true, moving_in: Some(&flow), ..shear };
@@ -184,6 +185,47 @@ impl CountedCase {
         past.truncate(PARABOLA.len());
         Ok(solution.iterations)
     }
+}
+
+impl CountedCase {
+    /// Takes a step of the midpoint scheme for Brownian spheres, at the last strain. Returns the numbers of iterations of
+    /// the draw and of the solve.
+    fn midpoint(
+        &self,
+        on_card: &mut CoupledSolver,
+        moving: &mut Particles,
+        number: u64,
+    ) -> Result<[usize; 2], Box<dyn Error>> {
+        const MISSING: &str = "the card draws no motions";
+        let (cell, flow) = (self.cell(STRAIN + STEPS_BEFORE as f64 * STEP)?, BackgroundFlow::shear(1.0));
+        let (none, stream) = (Loads::default(), Stream::new(1, number));
+        let draw = HeldDraw { particles: moving, tolerance: TOLERANCE, stream, amplitude: AMPLITUDE, flow: &flow };
+        let (motions, drawn) = on_card.draw_motions(&cell, &draw).ok_or(MISSING)?;
+        moving.set_column(DRAWN, 3, motions.velocities);
+        moving.displace_by([DRAWN], [0.5 * STEP]);
+        advance(on_card, moving, &cell);
+        on_card
+            .close_spheres(&cell, moving, self.lubricated.then_some(LubricationRange::MINIMUM_GAP))
+            .ok_or(MISSING)?;
+        let loads = on_card.draw_loads(&cell, moving, stream, AMPLITUDE).ok_or(MISSING)?;
+        let fluctuations = HeldFluctuations { ambient: motions.ambient, loads };
+        let shear = SolveInput::new(&none, StrainRate::uniform(flow.strain_rate()));
+        let moving_in = Some(&flow);
+        let input = SolveInput { keeps_columns: true, moving_in, fluctuations: Some(&fluctuations), ..shear };
+        let solution = on_card.solve(&cell, moving, &input, Guess::default())?;
+        let [velocities, _] = solution.kept.and_then(|kept| kept.columns.moving).ok_or("the card keeps no motions")?;
+        moving.set_column(VELOCITY, 3, velocities);
+        moving.displace_by([VELOCITY, DRAWN], [STEP, -0.5 * STEP]);
+        advance(on_card, moving, &cell);
+        Ok([drawn.iterations, solution.iterations])
+    }
+}
+
+/// Moves particles on the card by their displacements and wraps them into the box.
+fn advance(on_card: &CoupledSolver, moving: &mut Particles, cell: &PeriodicBox) {
+    let holder = on_card.holder().expect("the card moves particles");
+    let frame = RemoteFrame { cell, gradient: BackgroundFlow::shear(1.0).gradient(), farthest: 1e9 };
+    assert!(moving.advance_remotely(frame, |name| name == VELOCITY || name == DRAWN, holder));
 }
 
 /// An emulator that counts.

@@ -19,14 +19,24 @@ def command(arguments, ranks=None):
     return [*launcher, PROGRAM, *map(str, arguments)]
 
 
+def ended(arguments, ranks, expect):
+    """The program at its end."""
+    done = subprocess.run(command(arguments, ranks), capture_output=True, text=True, timeout=PATIENCE)
+    succeeded = done.returncode == 0
+    if succeeded != (expect == 0):
+        raise AssertionError(f"{' '.join(command(arguments, ranks))} ended with {done.returncode}:\n{done.stdout}{done.stderr}")
+    return done
+
+
 def run(arguments, ranks=None, expect=0):
     """Runs the program to its end and returns its output, with errors."""
-    ended = subprocess.run(command(arguments, ranks), capture_output=True, text=True, timeout=PATIENCE)
-    said = ended.stdout + ended.stderr
-    succeeded = ended.returncode == 0
-    if succeeded != (expect == 0):
-        raise AssertionError(f"{' '.join(command(arguments, ranks))} ended with {ended.returncode}:\n{said}")
-    return said
+    done = ended(arguments, ranks, expect)
+    return done.stdout + done.stderr
+
+
+def answered(arguments, ranks=None):
+    """What the program prints as JSON, whatever else it notes."""
+    return json.loads(ended(arguments, ranks, expect=0).stdout)
 
 
 def start(arguments, ranks=None, **options):

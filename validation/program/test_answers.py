@@ -7,7 +7,7 @@ import pathlib
 import tempfile
 import unittest
 
-from program import ROOT, run
+from program import ROOT, answered, run
 
 SCENES = ROOT / "scenes"
 COLUMNS = ["quantity", "species", "value", "error", "samples", "transient", "verdict", "longer", "unit"]
@@ -31,7 +31,7 @@ class Answers(unittest.TestCase):
         cls.said = run(["run", *SHEAR, "--set", "time.steps=100", "--set", "output.trajectory_every=0", "--out", cls.out])
 
     def answers(self, *words):
-        found = json.loads(run(["stats", *words, "--json"]).split("\nnote:")[0].split("note: ")[0])["answers"]
+        found = answered(["stats", *words, "--json"])["answers"]
         return {(answer["quantity"], answer["species"]): answer for answer in found}
 
     def test_a_run_ends_with_them(self):

@@ -1,13 +1,12 @@
 """`check` refuses what `run` refuses at its start, in the same words, and nothing else."""
 
 import csv
-import json
 import pathlib
 import subprocess
 import tempfile
 import unittest
 
-from program import PATIENCE, ROOT, command, run
+from program import PATIENCE, ROOT, answered, command, run
 from test_scenes import SMALLER
 
 # For run.py --quick.
@@ -176,7 +175,7 @@ class Check(unittest.TestCase):
     def test_time_is_told_of_ranks_that_are_absent(self):
         """The fraction of the time that is computation does not depend on the duration of the trial steps."""
         words = ["check", ROOT / "scenes" / "settling.toml", "--json"]
-        told = {ranks: json.loads(run([*words, "--ranks", ranks, "--ranks-per-machine", 1])) for ranks in (1, 2, 8, 64)}
+        told = {ranks: answered([*words, "--ranks", ranks, "--ranks-per-machine", 1]) for ranks in (1, 2, 8, 64)}
         parts = [values["efficiency"] for values in told.values()]
         self.assertEqual(parts[0], 1.0)
         self.assertEqual(parts, sorted(parts, reverse=True))
@@ -184,9 +183,9 @@ class Check(unittest.TestCase):
         self.assertEqual(len(worth), 1)
         self.assertEqual([part >= 0.5 for part in parts], [ranks <= min(worth) for ranks in told])
         self.assertLess(told[8]["seconds_per_step"], 8 * told[1]["seconds_per_step"])
-        self.assertNotIn("seconds_per_step", json.loads(run([*words, "--ranks", 2, "--no-trial"])))
+        self.assertNotIn("seconds_per_step", answered([*words, "--ranks", 2, "--no-trial"]))
         # The grid of an open box follows its spheres.
-        open_fluid = json.loads(run(["check", ROOT / "scenes" / "cloud.toml", "--json", "--ranks", 2]))
+        open_fluid = answered(["check", ROOT / "scenes" / "cloud.toml", "--json", "--ranks", 2])
         self.assertNotIn("seconds_per_step", open_fluid)
         self.assertIn("output_bytes", open_fluid)
 
@@ -214,7 +213,7 @@ class Check(unittest.TestCase):
     def test_a_run_that_a_strain_ends_is_timed_until_then(self):
         scene = ROOT / "scenes" / "thickening.toml"
         sets = ["--set", "box.edges=[7.0, 7.0, 7.0]", "--set", "flow.stress=2.0", "--set", "time.duration=1e5"]
-        outline = json.loads(run(["check", scene, *sets, "--json"]))
+        outline = answered(["check", scene, *sets, "--json"])
         self.assertEqual((outline["steps"], outline["last_strain"]), (100_000, 10.0))
         # The fluid alone would flow at a rate of 2 under this stress.
         self.assertTrue(10.0 / 2.0 <= outline["expected_steps"] < outline["steps"], outline["expected_steps"])

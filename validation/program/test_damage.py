@@ -1,7 +1,6 @@
 """Files of a run that are truncated or altered afterwards: damage is named, and the run continues if possible."""
 
 import csv
-import json
 import pathlib
 import random
 import shutil
@@ -12,7 +11,7 @@ import unittest
 import h5py
 import numpy as np
 
-from program import PATIENCE, ROOT, command, run
+from program import PATIENCE, ROOT, answered, command, run
 
 SETS = {
     "box.edges": "[10.0, 10.0, 10.0]",
@@ -105,7 +104,7 @@ class Damage(unittest.TestCase):
         trajectory = whole / "trajectory.h5"
         for frame in (3, 4, 9, 15):
             flip(trajectory, place_of(trajectory, "particles/all/position/value", frame))
-        told = json.JSONDecoder().raw_decode(run(["stats", whole, "--json"]))[0]
+        told = answered(["stats", whole, "--json"])
         self.assertEqual(told["frames"], {"missing": 0, "damaged": 4})
         found = lags(whole)
         # Lags are means of differences of times, whose last digits depend on the frames.

@@ -10,7 +10,7 @@ import tempfile
 import time
 import unittest
 
-from program import PROGRAM, run, start
+from program import PROGRAM, answered, run, start
 from small_run import wait_for
 
 SCENE = """
@@ -55,7 +55,7 @@ def results(out):
 
 
 def states(out):
-    return {member["folder"]: member["state"] for member in json.loads(run(["info", out, "--json"]))["members"]}
+    return {member["folder"]: member["state"] for member in answered(["info", out, "--json"])["members"]}
 
 
 class Families(unittest.TestCase):
@@ -199,7 +199,7 @@ class Families(unittest.TestCase):
         said = run(["check", scene])
         self.assertRegex(said, r"family     6 runs: 2 points, 3 each\npoint-0001 species\[0\]\.volume_fraction = 0\.05, \d+ particles")
         self.assertRegex(said, r"time       about .* in all, \d+ runs? at a time")
-        answer = json.loads(run(["check", scene, "--json"]))
+        answer = answered(["check", scene, "--json"])
         self.assertEqual((answer["runs"], len(answer["points"])), (6, 2))
         self.assertGreater(answer["seconds"], 0)
         said = run(["check", self.scene(FAMILY.replace("0.05, 0.1", "0.05, 0.9"))], expect=1)
@@ -231,7 +231,7 @@ class Families(unittest.TestCase):
         said = run(["converge", scene, "--of", "colour", "--seeds", 2, "--out", self.out], expect=1)
         self.assertIn("--of colour: no answer of the runs has that name; there are relative_viscosity", said)
         # The larger box has eight times the spheres.
-        larger = json.loads(run(["info", self.out, "--json"]))["members"][4]["values"]
+        larger = answered(["info", self.out, "--json"])["members"][4]["values"]
         self.assertIn("box.edges = [18.0, 18.0, 18.0]", larger)
 
     def test_a_run_ends_at_a_strain(self):

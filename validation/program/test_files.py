@@ -12,7 +12,7 @@ import xml.etree.ElementTree
 import h5py
 import numpy as np
 
-from program import ROOT, mobility, run
+from program import ROOT, answered, mobility, run
 
 STEP = 0.025
 SETS = {
@@ -180,7 +180,7 @@ class Files(unittest.TestCase):
         with h5py.File(self.out / "trajectory.h5") as file:
             frames = len(file["particles/all/position/step"])
         self.assertRegex(said, rf"steps +\d+, all of them taken\ntrajectory.h5 +frames {frames}, steps 0 to")
-        told = json.loads(run(["info", "--json", self.out]))
+        told = answered(["info", "--json", self.out])
         self.assertEqual([file["name"] for file in told["files"]][:2], ["trajectory.h5", "observables.h5"])
         self.assertEqual(told["files"][0]["frames"]["count"], frames)
         self.assertEqual(run(["info", "--scene", self.out]), (self.out / "scene.toml").read_text())

@@ -1,11 +1,10 @@
 """Output for other programs: values as JSON, the schema of scenes, manual pages."""
 
-import json
 import pathlib
 import tempfile
 import unittest
 
-from program import ROOT, run
+from program import ROOT, answered, run
 
 SMALL = ("--set", "time.steps=4", "--set", "output.trajectory_every=1")
 
@@ -14,7 +13,7 @@ class Values(unittest.TestCase):
     def test_every_scene_is_outlined_as_its_lines_say(self):
         for scene in sorted((ROOT / "scenes").glob("*.toml")):
             with self.subTest(scene=scene.stem):
-                outline = json.loads(run(["check", scene, "--json", "--no-trial"]))
+                outline = answered(["check", scene, "--json", "--no-trial"])
                 if outline.get("kind") == "family":
                     self.assertEqual(outline["runs"], sum(point["runs"] for point in outline["points"]))
                     continue
@@ -27,12 +26,12 @@ class Values(unittest.TestCase):
 
     def test_memory_of_each_rank_and_the_plan_are_values(self):
         scene = ROOT / "scenes" / "settling.toml"
-        tried = json.loads(run(["check", scene, "--json"]))
+        tried = answered(["check", scene, "--json"])
         self.assertGreater(tried["seconds_of_run"], 100 * tried["seconds_per_step"])
         # Mostly 101 frames of 124 bytes per sphere.
         self.assertAlmostEqual(tried["output_bytes"] / (101 * 3200 * 124), 1.05, delta=0.15)
-        self.assertNotIn("seconds_of_run", json.loads(run(["check", scene, "--json", "--no-trial"])))
-        outline = json.loads(run(["check", scene, "--json", "--ranks", 3]))
+        self.assertNotIn("seconds_of_run", answered(["check", scene, "--json", "--no-trial"]))
+        outline = answered(["check", scene, "--json", "--ranks", 3])
         self.assertGreater(outline["seconds_of_run"], 100 * outline["seconds_per_step"])
         self.assertTrue(1 / 3 < outline["efficiency"] <= 1.0 and outline["ranks_worth"] >= 3, outline)
         self.assertEqual((outline["kind"], outline["particles"], outline["steps"]), ("suspension", 3200, 400))
@@ -49,12 +48,12 @@ class Values(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             out = pathlib.Path(folder) / "out"
             run(["run", ROOT / "scenes" / "pair-settling.toml", "--out", out, *SMALL])
-            contents = json.loads(run(["info", out / "trajectory.h5", "--json"]))
+            contents = answered(["info", out / "trajectory.h5", "--json"])
             frames = contents["frames"]
             self.assertEqual((frames["count"], frames["steps"], contents["damage"]), (5, [0, 4], []))
             shapes = {dataset["name"]: dataset["shape"] for dataset in contents["datasets"]}
             self.assertEqual(shapes["/particles/all/position/value"], [5, 2, 3])
-            statistics = json.loads(run(["stats", out, "--json"]))
+            statistics = answered(["stats", out, "--json"])
             self.assertEqual(statistics["tables"], str(out / "stats"))
             rows = statistics["summary"]
             self.assertTrue(all({"quantity", "species", "unit", "value", "error"} <= row.keys() for row in rows))
@@ -63,7 +62,7 @@ class Values(unittest.TestCase):
 class Editors(unittest.TestCase):
     def test_a_new_scene_names_the_schema(self):
         self.assertEqual(run(["new", "settling"]).splitlines()[0], "#:schema fcm-solve.schema.json")
-        schema = json.loads(run(["schema"]))
+        schema = answered(["schema"])
         self.assertIn("draft-07", schema["$schema"])
         tolerance = schema["definitions"]["HydrodynamicsSection"]["properties"]["tolerance"]
         self.assertIn("Relative error", tolerance["description"])

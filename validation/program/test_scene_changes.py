@@ -1,7 +1,6 @@
 """Runs that continue with a changed scene, and stored scenes that are run again."""
 
 import csv
-import json
 import pathlib
 import re
 import shutil
@@ -10,7 +9,7 @@ import unittest
 
 import h5py
 
-from program import ROOT, run
+from program import ROOT, answered, run
 
 SETS = {
     "box.edges": "[10.0, 10.0, 10.0]",
@@ -69,7 +68,7 @@ class SceneChanges(unittest.TestCase):
         run(["run", SCENE, "--out", self.out, *words(sets)])
 
         def transients(*words):
-            answers = json.loads(run(["stats", self.out, "--json", *words]))["answers"]
+            answers = answered(["stats", self.out, "--json", *words])["answers"]
             return {round(answer["transient"], 6) for answer in answers if not answer["quantity"].startswith("diffusivity")}
 
         def summary():
