@@ -18,7 +18,8 @@ pub struct Args {
     /// Command to carry out.
     #[command(subcommand)]
     pub command: Command,
-    /// Threads of each rank [default: the cores that it is bound to, shared out among the ranks bound to the same]
+    /// Threads of each rank [default: RAYON_NUM_THREADS, or the cores that it is bound to, shared out among the ranks
+    /// bound to the same]
     #[arg(
         long,
         global = true,

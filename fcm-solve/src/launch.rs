@@ -92,10 +92,12 @@ pub fn explain(comm: &Comm, message: &clap::Error) -> ExitCode {
     }
 }
 
-/// Starts the threads of this rank: as many as asked for, or as it has cores. Collective.
+/// Starts the threads of this rank: as many as asked for, here or by rayon's variable of the environment, or as it has
+/// cores. Collective.
 pub fn start_threads(asked: Option<u16>, comm: &Comm) -> anyhow::Result<()> {
     let cores = comm.cores();
-    let threads = asked.map_or(cores, usize::from);
+    let named = || threads_named(&std::env::var("RAYON_NUM_THREADS").ok()?);
+    let threads = asked.or_else(named).map_or(cores, usize::from);
     rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .use_current_thread()
@@ -103,9 +105,19 @@ pub fn start_threads(asked: Option<u16>, comm: &Comm) -> anyhow::Result<()> {
         .context("can't start the threads")
 }
 
+/// Number of threads that a variable of the environment names; as for rayon, 0 and what is no number stand for none.
+fn threads_named(value: &str) -> Option<u16> {
+    value.trim().parse().ok().filter(|&threads| threads > 0)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_variable_names_a_number_of_threads_or_none() {
+        assert_eq!(["3", " 12 ", "0", "", "all", "-1"].map(threads_named), [Some(3), Some(12), None, None, None, None]);
+    }
 
     #[test]
     fn names_do_not_break_lines() {
