@@ -188,8 +188,8 @@ impl CountedCase {
 }
 
 impl CountedCase {
-    /// Takes a step of the midpoint scheme for Brownian spheres, at the last strain. Returns the numbers of iterations of
-    /// the draw and of the solve.
+    /// Takes a step of the midpoint scheme for Brownian spheres, at the last strain. Returns the numbers of iterations
+    /// of the draw and of the solve.
     fn midpoint(
         &self,
         on_card: &mut CoupledSolver,

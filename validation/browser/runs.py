@@ -34,10 +34,10 @@ SCENES = {
     "dense": (
         "dense",
         {
-            "species[0].volume_fraction": 0.35,
-            "time.duration": 0.05,
-            "output.trajectory_every": 5,
-            "output.contacts_every": 5,
+            "species[0].volume_fraction": 0.3,
+            "time.duration": 0.02,
+            "output.trajectory_every": 2,
+            "output.contacts_every": 2,
         },
     ),
     "disks": ("granular-disks", {"box.edges": "[40.0, 40.0]", "time.strain": 0.4, "output.trajectory_every": 40}),
