@@ -35,7 +35,7 @@ def run(arguments, ranks=None, expect=0):
 
 
 def answered(arguments, ranks=None):
-    """What the program prints as JSON, whatever else it notes."""
+    """The JSON that the program prints, whatever else it notes."""
     return json.loads(ended(arguments, ranks, expect=0).stdout)
 
 
