@@ -212,7 +212,8 @@ class Check(unittest.TestCase):
 
     def test_a_run_that_a_strain_ends_is_timed_until_then(self):
         scene = ROOT / "scenes" / "thickening.toml"
-        sets = ["--set", "box.edges=[7.0, 7.0, 7.0]", "--set", "flow.stress=2.0", "--set", "time.duration=1e5"]
+        sets = ["--set", "box.edges=[7.0, 7.0, 7.0]", "--set", "species[0].volume_fraction=0.15"]
+        sets += ["--set", "flow.stress=2.0", "--set", "time.duration=1e5"]
         outline = answered(["check", scene, *sets, "--json"])
         self.assertEqual((outline["steps"], outline["last_strain"]), (100_000, 10.0))
         # The fluid alone would flow at a rate of 2 under this stress.
