@@ -17,7 +17,7 @@ TIMED = [
     ("shear", 500, 0.2, SHEAR, 20),
     ("shear", 5_280, 0.2, SHEAR, 20),
     ("shear", 50_000, 0.2, SHEAR, 20),
-    ("heat, midpoint", 5_280, 0.2, f'{HEAT}\ntime.brownian = "midpoint"', 20),
+    ("heat, drifter-corrector", 5_280, 0.2, f'{HEAT}\ntime.brownian = "drifter-corrector"', 20),
     ("heat, random finite difference", 5_280, 0.2, f'{HEAT}\ntime.brownian = "random-finite-difference"', 20),
     ("friction", 1_000, 0.5, TOUCH, 2),
 ]
