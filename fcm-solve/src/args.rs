@@ -18,7 +18,7 @@ pub struct Args {
     /// Command to carry out.
     #[command(subcommand)]
     pub command: Command,
-    /// Threads of each rank [default: RAYON_NUM_THREADS, or the cores that it is bound to, shared out among the ranks
+    /// Threads of each rank [default: `RAYON_NUM_THREADS`, or the cores that it is bound to, shared out among the ranks
     /// bound to the same]
     #[arg(
         long,
