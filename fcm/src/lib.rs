@@ -82,6 +82,10 @@ pub use mobility::memory::Footprint;
 pub use mobility::noise::Stream;
 pub use mobility::past_solutions::{PastNumbers, PastSolutions};
 pub use mobility::rank_one::Constraint;
+pub use mobility::stepping::{
+    DISPLACED, DisplacementError, DisplacementOrders, DisplacementWeights, GapChanges, HeldSteps, HeldVelocities,
+    Separation,
+};
 pub use mobility::work::{Seconds, Work};
 pub use mobility::{Flow, Mobility, SurfaceFarField};
 #[doc(hidden)]

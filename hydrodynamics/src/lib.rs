@@ -22,10 +22,12 @@ mod unknowns;
 
 pub use ambient::{FlowRefused, Poiseuille, StrainRate};
 pub use bodies::{GivenMotion, RigidBodies};
-pub use coupled_solver::{CoupledSolver, ShortRange};
+pub use coupled_solver::{CoupledSolver, HeldContacts, ShortRange, TooManyContacts};
 pub use mobility::memory::SingleEvaluation;
 pub use mobility::overlaps::Overlaps;
 pub use mobility::{Drift, Mobility, MobilityError, MobilityParameters, Motions};
-pub use solution::{Guess, HeldFluctuations, KeptSolution, NO_AMBIENT, Solution, SolveInput, StoredSolution};
+pub use solution::{
+    Guess, HeldFluctuations, HeldForces, HeldPrediction, KeptSolution, NO_AMBIENT, Solution, SolveInput, StoredSolution,
+};
 pub use springs::{BondSprings, ContactSprings, PairSprings, Springs, TetherResistance};
 pub use squirming::{Squirming, SquirmingRefused};

@@ -5,7 +5,7 @@ use crate::bodies::RigidBodies;
 use crate::springs::Springs;
 use crate::squirming::Squirming;
 use domain::parallel::FusedLoops;
-use domain::{ColumnValues, RemoteHolder, Traceless, Vector, remote_columns};
+use domain::{ColumnValues, RemoteHolder, RemoteList, Traceless, Vector, remote_columns};
 use fcm::{GUESSED, HeldLoads, Loads, Motion, PastSolutions, SolutionColumns};
 use solver::BackgroundFlow;
 
@@ -35,6 +35,8 @@ pub struct SolveInput<'a> {
     pub moving_in: Option<&'a BackgroundFlow>,
     /// Random motions and loads of particles that move there, in place of other ambient motions and loads.
     pub fluctuations: Option<&'a HeldFluctuations>,
+    /// Implicit forces and contacts of particles that move there.
+    pub held_forces: Option<&'a HeldForces<'a>>,
     /// Whether the flux between two walls is kept at its value without particles, by an additional flow along x.
     pub constant_flux: bool,
 }
@@ -53,6 +55,7 @@ impl<'a> SolveInput<'a> {
             keeps_columns: false,
             moving_in: None,
             fluctuations: None,
+            held_forces: None,
             constant_flux: false,
         }
     }
@@ -65,6 +68,25 @@ pub struct HeldFluctuations {
     pub ambient: ColumnValues,
     /// Steady and random loads.
     pub loads: HeldLoads,
+}
+
+/// Implicit forces and contacts of particles that move where the far field is evaluated.
+#[derive(Default)]
+pub struct HeldForces<'a> {
+    /// Prediction of forces between surfaces for the end of a substep, if these and contacts are implicit.
+    pub prediction: Option<HeldPrediction<'a>>,
+    /// Steady loads with those of contacts, by [`CoupledSolver::contact_loads`](crate::CoupledSolver::contact_loads);
+    /// `None` without contacts.
+    pub contacts: Option<HeldLoads>,
+}
+
+/// Predicted motion of particles that move where the far field is evaluated, for forces at the end of a time.
+#[derive(Clone, Copy)]
+pub struct HeldPrediction<'a> {
+    /// The time from the present positions.
+    pub time: f64,
+    /// Predicted velocities with that of the background flow, in the order of ids.
+    pub velocities: &'a RemoteList,
 }
 
 /// Solution for the motions of the spheres.

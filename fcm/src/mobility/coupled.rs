@@ -3,6 +3,7 @@
 use crate::conjugate_gradients::{IterationOutcome, Limits};
 use crate::mobility::loads::Motion;
 use crate::mobility::past_solutions::PastSolutions;
+use crate::mobility::stepping::HeldSteps;
 use domain::{ColumnValues, Comm, Particles, RemoteHolder, RemoteList, Units};
 use gpu::{GUESSED, NearInput, NearTables};
 use solver::BackgroundFlow;
@@ -45,6 +46,9 @@ pub trait CoupledFarField {
 
     /// The memory that holds the columns of solutions.
     fn holder(&self) -> Rc<dyn RemoteHolder>;
+
+    /// Measures of displacements in that memory.
+    fn steps(&self) -> Rc<dyn HeldSteps>;
 }
 
 /// Relative errors, in the norms of the resistances of single spheres.

@@ -9,6 +9,7 @@ pub(crate) mod noise;
 mod noise_root;
 pub(crate) mod past_solutions;
 pub(crate) mod rank_one;
+pub(crate) mod stepping;
 pub(crate) mod work;
 
 use crate::lanczos::DrawDiagnostics;

@@ -2,6 +2,7 @@
 
 mod constant_flux;
 mod fluctuations;
+mod held_contacts;
 mod lubricated_solve;
 mod near_pairs;
 mod on_device;
@@ -11,6 +12,7 @@ mod random_loads;
 mod surface_forces;
 mod swimming;
 
+pub use held_contacts::{HeldContacts, TooManyContacts};
 pub use perturbed_solve::DisplacedSpheres;
 
 use crate::ambient::StrainRate;
@@ -25,8 +27,8 @@ use constant_flux::ConstantFlux;
 use domain::parallel::{FusedLoops, change, mapped, stage};
 use domain::{Interrupt, Particles, Partition, PeriodicBox, RemoteHolder, Units};
 use fcm::{
-    DrawDiagnostics, HeldLoads, Loads, Mobility, Motion, Plan, RigidInput, SolveError, Stream, StressletSolver,
-    SurfaceLaws,
+    DrawDiagnostics, HeldLoads, HeldSteps, Loads, Mobility, Motion, Plan, RigidInput, SolveError, Stream,
+    StressletSolver, SurfaceLaws,
 };
 use lubricated_solve::{LubricatedSolve, SolveCase};
 use lubrication::{LubricationRange, PairForce, PairForceError, WallForce};
@@ -44,6 +46,8 @@ pub struct CoupledSolver {
     surface_laws: Option<SurfaceLaws>,
     /// The memory where the far field is evaluated, if it holds columns of solutions.
     holder: Option<Rc<dyn RemoteHolder>>,
+    /// Measures of displacements in that memory.
+    steps: Option<Rc<dyn HeldSteps>>,
     /// Steady loads on particles that move there.
     held_loads: Option<HeldLoads>,
     units: Units,
@@ -99,8 +103,9 @@ impl CoupledSolver {
             let lists = NearLists::new(reach, partition);
             NearField { lubrication, at_walls, lists, precision: plan.precision, radii }
         });
-        let (partition, holder) = (partition.clone(), holder(&mut far));
-        Ok(Self { far, near, surface_laws: None, holder, held_loads: None, units, preconditioned: true, partition })
+        let (partition, (holder, steps)) = (partition.clone(), memory(&mut far).unzip());
+        let (surface_laws, held_loads, preconditioned) = (None, None, true);
+        Ok(Self { far, near, surface_laws, holder, steps, held_loads, units, preconditioned, partition })
     }
 
     /// Switches the preconditioner of the solve with lubrication on (the default) or off, for comparison.
@@ -133,7 +138,8 @@ impl CoupledSolver {
     /// Continues with another far field of the same plan, such as one on a device. Columns of solutions that the one
     /// before holds must have been fetched.
     pub fn set_far_field(&mut self, mut far: StressletSolver) {
-        (self.holder, self.held_loads) = (holder(&mut far), None);
+        (self.holder, self.steps) = memory(&mut far).unzip();
+        self.held_loads = None;
         let interrupt = std::mem::replace(&mut self.far, far).interrupt().clone();
         self.far.listen(interrupt);
     }
@@ -289,9 +295,9 @@ fn sloping(strain_rate: StrainRate, particles: &Particles, ambient: &Motion) -> 
     })
 }
 
-/// The memory where a far field is evaluated, if it holds columns of solutions.
-fn holder(far: &mut StressletSolver) -> Option<Rc<dyn RemoteHolder>> {
-    far.mobility().coupled().map(|far| far.holder())
+/// The memory where a far field is evaluated, if it holds columns of solutions, and measures of displacements there.
+fn memory(far: &mut StressletSolver) -> Option<(Rc<dyn RemoteHolder>, Rc<dyn HeldSteps>)> {
+    far.mobility().coupled().map(|far| (far.holder(), far.steps()))
 }
 
 /// Motions minus those of single spheres under their own loads.

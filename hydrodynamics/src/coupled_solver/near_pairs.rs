@@ -8,7 +8,8 @@ use crate::springs::Springs;
 use crate::system::SingleSpheres;
 use crate::units;
 use domain::{Boundaries, DomainView, Particles, PeriodicBox, RemoteHolder, Traceless};
-use fcm::{Loads, NearInput, NearTables};
+use fcm::{HeldSteps, Loads, NearInput, NearTables};
+use std::rc::Rc;
 
 impl CoupledSolver {
     /// Near pairs of particles in scaled units, in a box in the original units, with the strain rate and the bodies of
@@ -88,6 +89,11 @@ impl CoupledSolver {
     /// The memory where particles can move.
     pub fn holder(&self) -> Option<&dyn RemoteHolder> {
         self.holder.as_deref()
+    }
+
+    /// Measures of displacements in that memory.
+    pub fn steps(&self) -> Option<&Rc<dyn HeldSteps>> {
+        self.steps.as_ref()
     }
 
     /// Whether the back end of the far field solves for the motions of free spheres, together with near pairs if there

@@ -14,6 +14,7 @@ mod kept_lists;
 mod present;
 mod random_motions;
 mod rigid;
+mod steps;
 mod tables;
 #[cfg(test)]
 mod tests;
@@ -28,6 +29,7 @@ use crate::mobility::far_field::{FarField, FlowAtPoints, RigidFarField, RigidPro
 use crate::mobility::fluctuating::FluctuatingFarField;
 use crate::mobility::loads::{Loads, Motion, Output};
 use crate::mobility::noise::NoiseRequest;
+use crate::mobility::stepping::HeldSteps;
 use crate::mobility::work::Work;
 use crate::plan::Plan;
 use crate::plan::device::number_of_card;
@@ -323,5 +325,9 @@ impl CoupledFarField for DeviceFarField {
 
     fn holder(&self) -> Rc<dyn RemoteHolder> {
         Rc::clone(&self.kept) as Rc<dyn RemoteHolder>
+    }
+
+    fn steps(&self) -> Rc<dyn HeldSteps> {
+        Rc::clone(&self.kept) as Rc<dyn HeldSteps>
     }
 }
