@@ -36,7 +36,7 @@ pub struct SolveInput<'a> {
     /// Random motions and loads of particles that move there, in place of other ambient motions and loads.
     pub fluctuations: Option<&'a HeldFluctuations>,
     /// Implicit forces and contacts of particles that move there.
-    pub held_forces: Option<&'a HeldForces<'a>>,
+    pub held_forces: Option<&'a HeldForces>,
     /// Whether the flux between two walls is kept at its value without particles, by an additional flow along x.
     pub constant_flux: bool,
 }
@@ -72,21 +72,20 @@ pub struct HeldFluctuations {
 
 /// Implicit forces and contacts of particles that move where the far field is evaluated.
 #[derive(Default)]
-pub struct HeldForces<'a> {
+pub struct HeldForces {
     /// Prediction of forces between surfaces for the end of a substep, if these and contacts are implicit.
-    pub prediction: Option<HeldPrediction<'a>>,
+    pub prediction: Option<HeldPrediction>,
     /// Steady loads with those of contacts, by [`CoupledSolver::contact_loads`](crate::CoupledSolver::contact_loads);
     /// `None` without contacts.
     pub contacts: Option<HeldLoads>,
 }
 
 /// Predicted motion of particles that move where the far field is evaluated, for forces at the end of a time.
-#[derive(Clone, Copy)]
-pub struct HeldPrediction<'a> {
+pub struct HeldPrediction {
     /// The time from the present positions.
     pub time: f64,
     /// Predicted velocities with that of the background flow, in the order of ids.
-    pub velocities: &'a RemoteList,
+    pub velocities: RemoteList,
 }
 
 /// Solution for the motions of the spheres.

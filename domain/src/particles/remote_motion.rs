@@ -16,6 +16,9 @@ pub struct RemoteFrame<'a> {
     pub farthest: f64,
 }
 
+/// Message of a panic, which would be a mistake in the program.
+const HERE: &str = "these particles do not move in a remote memory";
+
 impl Particles {
     /// Whether positions are in a memory where the particles move.
     pub fn are_remote(&self) -> bool {
@@ -44,6 +47,29 @@ impl Particles {
         self.displacements.clear();
     }
 
+    /// Moves particles in a memory by displacements in a list there, once they are [advanced](Self::advance_remotely).
+    ///
+    /// # Panics
+    ///
+    /// Unless the particles [have moved](Self::move_to) to that memory.
+    pub fn displace_remotely(&mut self, displacements: RemoteList) {
+        let list = self.positions.remote_list().expect(HERE).clone();
+        self.positions = ParticleValues::remote(list);
+        self.displacements.push((ColumnValues::remote(displacements), 1.0));
+    }
+
+    /// The list of a column in the memory where the particles move, to which it is copied unless it is there. A column
+    /// that is missing is made, of zeros.
+    pub fn held_column(&mut self, name: &str, width: usize, holder: &dyn RemoteHolder) -> RemoteList {
+        let column = self.column(name, width);
+        if let Some(list) = column.values.remote_list() {
+            return list.clone();
+        }
+        let list = holder.hold(&column.values);
+        column.values = std::mem::take(&mut column.values).held_as(list.clone());
+        list
+    }
+
     /// The same particles, whose values have been fetched, without a remote memory.
     #[must_use]
     pub fn detached(self) -> Self {
@@ -68,7 +94,7 @@ impl Particles {
     ) -> bool {
         let held = |values: &ColumnValues| values.remote_list().cloned().unwrap_or_else(|| holder.hold(values));
         let (Some(positions), Some(steps)) = (self.positions.remote_list(), self.steps.remote_list()) else {
-            panic!("these particles do not move in a remote memory");
+            panic!("{HERE}");
         };
         let terms: Vec<_> = self.displacements.iter().map(|(values, weight)| (held(values), *weight)).collect();
         let columns = || (0..self.columns.len()).filter(|&k| are_velocities(&self.columns[k].name));

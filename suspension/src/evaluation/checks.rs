@@ -1,7 +1,6 @@
 //! Checks of the positions at the end of a step, and errors of failed solves.
 
 use super::Dynamics;
-use crate::columns::VELOCITY;
 use crate::error::gap::Gap;
 use crate::error::step::StepError;
 use domain::parallel::all_rows;
@@ -60,13 +59,12 @@ impl Dynamics {
     }
 
     /// The error for a failed solve: an overlap, if there is one. Collective.
-    pub(super) fn unsolved(&self, source: SolveError, particles: &mut Particles, step: u64) -> StepError {
+    pub(super) fn unsolved(&self, source: SolveError, particles: &Particles, step: u64) -> StepError {
         if let SolveError::Interrupted(interrupted) = source {
             return interrupted.into();
         }
         self.fetch(particles);
-        let nothing = [[0.0]; 2];
-        let gap = self.approach(particles, [VELOCITY]).after(nothing, [0.0; 2], self.partition.comm()).gap;
+        let gap = self.smallest_gap(particles);
         if gap < 0.0 { StepError::Overlap { step, overlap: self.gap(-gap) } } else { StepError::Solve { step, source } }
     }
 
@@ -97,7 +95,7 @@ mod tests {
             [(3.5, "step 7: the motion"), (1.5, "step 7: spheres overlap by 0.5 (0.5 of the smallest radius), and")]
         {
             particles.positions[1] = particles.positions[0] + Vector::X * distance;
-            let error = dynamics.unsolved(SolveError::NotFinite, &mut particles, 7);
+            let error = dynamics.unsolved(SolveError::NotFinite, &particles, 7);
             let cause = error.source().map_or_else(String::new, |cause| format!(": {cause}"));
             let message = format!("{error}{cause}");
             assert!(message.starts_with(said), "{message}");

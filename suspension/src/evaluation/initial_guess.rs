@@ -15,7 +15,7 @@ use rayon::prelude::*;
 const FORCE: &str = "far force";
 const TORQUE: &str = "far torque";
 const INDUCED: [&str; 2] = ["induced velocity", "induced angular velocity"];
-const MOTION: [&str; 2] = ["velocity in flow", "angular velocity in flow"];
+pub const MOTION: [&str; 2] = ["velocity in flow", "angular velocity in flow"];
 
 /// Number of values that one thread processes at a time; the sums of these batches are added in their order.
 const BATCH: usize = 4096;

@@ -1,5 +1,6 @@
 //! Evaluation of the particles' velocities at given positions.
 
+pub mod approach;
 mod checks;
 pub mod extrapolation;
 pub mod fluctuating;
@@ -14,6 +15,7 @@ pub mod prepared;
 mod queries;
 mod record;
 mod relative;
+mod remote_forces;
 mod remote_motion;
 mod remote_noise;
 pub mod stage_time;
@@ -231,7 +233,8 @@ impl Dynamics {
         } else {
             Guess::default()
         };
-        let motion = if self.forces.follow_motion() { WarmStart::motion(particles) } else { Motion::default() };
+        let follow = self.forces.follow_motion() && !particles.are_remote();
+        let motion = if follow { WarmStart::motion(particles) } else { Motion::default() };
         let previous = PreviousSolutions { guess, motion: &motion };
         let (outcome, compared) = match self.moving.search() {
             None => self.solve_at(particles, previous, moment)?,
@@ -260,6 +263,9 @@ impl Dynamics {
         PreviousSolutions { guess, motion }: PreviousSolutions,
         moment: &StageTime,
     ) -> Result<(Outcome, Option<Comparison>), StepError> {
+        if particles.are_remote() && self.is_implicit {
+            return self.solve_held(particles, guess, moment);
+        }
         let expected =
             moment.implicit.map(|time| (time, self.relative(particles, EXPECTED), self.relative_rotation(particles)));
         let strain_rate = self.moving.predicted_strain_rate_change();
@@ -326,18 +332,20 @@ impl Dynamics {
     fn solved(
         &mut self,
         particles: &mut Particles,
-        Acting { loads, resistances, fluctuations, .. }: &Acting,
+        Acting { loads, resistances, fluctuations, held_forces, .. }: &Acting,
         ambient: &Motion,
         guess: Guess,
         moment: &StageTime,
     ) -> Result<Solution, StepError> {
         let resistance = |distance: f64, between: PairKind| resistances.of_pair(distance, between);
         let (contacts, tethers) = (&resistances.contacts, &resistances.tethers);
-        let springs = moment.implicit.map(|_| Springs { resistance: &resistance, contacts, tethers });
+        let is_here = held_forces.is_none();
+        let springs =
+            moment.implicit.filter(|_| is_here).map(|_| Springs { resistance: &resistance, contacts, tethers });
         let (input, constant_flux) = (SolveInput::new(loads, self.moving.strain_rate()), self.moving.keeps_flux());
         let (bodies, squirming) = (self.bodies(particles), self.squirming(particles));
         let (springs, bodies, squirming) = (springs.as_ref(), bodies.as_ref(), squirming.as_ref());
-        let surface_forces = self.forces.surfaces_are_solved();
+        let surface_forces = self.forces.surfaces_are_solved() || held_forces.is_some();
         let moving_in = particles.are_remote().then_some(self.moving.flow());
         let acting = SolveInput {
             springs,
@@ -348,6 +356,7 @@ impl Dynamics {
             keeps_columns: true,
             moving_in,
             fluctuations: fluctuations.as_ref(),
+            held_forces: held_forces.as_ref(),
             constant_flux,
             ..input
         };

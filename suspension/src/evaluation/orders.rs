@@ -2,10 +2,12 @@
 
 use crate::columns::PAST;
 use crate::columns::VELOCITY;
+use crate::evaluation::Dynamics;
 use crate::evaluation::extrapolation::integral;
 use crate::rotation;
 use domain::parallel::MeasuredLoop;
 use domain::{Comm, Particles, Vector};
+use fcm::{DisplacementError, DisplacementOrders};
 use rayon::prelude::*;
 
 /// Columns of the velocities that a step may use.
@@ -44,7 +46,7 @@ impl ErrorEstimate {
     /// oscillates at a rate `k`, with steps `h`, successive orders differ by `1/2 (exp(k h) - 1)`,
     /// `5/12 (exp(k h) - 1)^2` and `3/8 (exp(k h) - 1)^3` of the displacement in a step. These ratios of the last
     /// difference to the previous ones ensure that `k h` is below the stability limit `3/10` of the highest order.
-    const SMOOTH: [f64; 2] = [0.25, 0.06];
+    pub const SMOOTH: [f64; 2] = [0.25, 0.06];
 
     /// Estimate from the differences between successive orders, beginning with the highest.
     ///
@@ -72,7 +74,11 @@ impl ErrorEstimate {
 }
 
 /// Worst estimate of all displacements over the radius. Collective.
-pub fn of_displacements(particles: &mut Particles, weights: &Weights, comm: &Comm) -> ErrorEstimate {
+pub fn of_displacements(particles: &mut Particles, weights: &Weights, dynamics: &Dynamics) -> ErrorEstimate {
+    let orders = DisplacementOrders::Four { weights, smooth: ErrorEstimate::SMOOTH };
+    if let Some(DisplacementError { error, roughness }) = dynamics.held_error(particles, USED, &orders) {
+        return ErrorEstimate { error, roughness };
+    }
     for name in USED {
         particles.vectors(name);
     }
@@ -89,7 +95,7 @@ pub fn of_displacements(particles: &mut Particles, weights: &Weights, comm: &Com
     let worst =
         particles.radii.par_iter().enumerate().map(of).measured().reduce(ErrorEstimate::default, ErrorEstimate::worse);
     let mut largest = [worst.error, worst.roughness];
-    comm.max(&mut largest);
+    dynamics.partition().comm().max(&mut largest);
     ErrorEstimate { error: largest[0], roughness: largest[1] }
 }
 

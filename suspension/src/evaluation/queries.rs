@@ -2,7 +2,6 @@
 
 use super::Dynamics;
 use super::following::Following;
-use super::gap_control::{RelativeMotion, WATCHED};
 use crate::evaluation::velocity_field::{self, FluidVelocity, LoadedSpheres};
 use crate::forces::Forces;
 use crate::forces::contacts::ContactStatistics;
@@ -78,12 +77,6 @@ impl Dynamics {
     /// Averages and totals over contacts; `None` for spheres without contacts. Collective.
     pub fn contact_statistics(&self, particles: &Particles) -> Option<ContactStatistics> {
         self.forces.contacts.as_ref().map(|contacts| contacts.measured(particles, self.domain(), self.forces.lists()))
-    }
-
-    /// Relative motion of near pairs with the velocities of the named columns. Collective.
-    pub fn approach<const N: usize>(&self, particles: &mut Particles, columns: [&str; N]) -> RelativeMotion<N> {
-        let near = self.forces.lists().pairs(particles, self.domain(), WATCHED * self.largest_radius);
-        RelativeMotion::new(near, particles, &self.moving, columns)
     }
 
     /// Smallest gap between two particles, or between a particle and a wall. Collective.

@@ -1,5 +1,6 @@
 //! Brownian steps of particles that move where the far field is evaluated.
 
+use super::approach::ELSEWHERE;
 use super::fluctuating::Noise;
 use super::{Dynamics, StageTime};
 use crate::columns::PAST;
@@ -9,9 +10,6 @@ use domain::Particles;
 use fcm::HeldDraw;
 use hydrodynamics::brownian::{AMBIENT, AMBIENT_NUMBERS};
 use hydrodynamics::{Guess, HeldFluctuations, Solution};
-
-/// Message of a panic, which would be a mistake in the program.
-const ELSEWHERE: &str = "the far field moves these particles";
 
 impl Dynamics {
     /// [`Self::draw_velocities`] of particles that move where the far field is evaluated.

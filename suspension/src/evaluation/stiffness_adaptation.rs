@@ -1,6 +1,7 @@
 //! Adaptation of the contact stiffness during a run.
 
 use super::Dynamics;
+use super::approach::ELSEWHERE;
 use crate::forces::contacts::{Contacts, StiffnessAdaptation};
 use domain::{DomainView, Particles};
 use std::rc::Rc;
@@ -23,9 +24,16 @@ impl Dynamics {
 
     /// Adapts the stiffness of contacts after a substep, unless the adaptation is over. Collective.
     pub fn adapt_stiffness(&mut self, particles: &Particles, step: f64) {
-        let Self { forces, moving, partition, .. } = self;
+        let Self { forces, moving, partition, hydrodynamics, .. } = self;
         let (domain, strain) = (DomainView { cell: moving.cell(), partition }, moving.rate() * step);
         let lists = Rc::clone(forces.lists());
-        forces.contacts.iter_mut().for_each(|contacts| contacts.adapt(particles, domain, &lists, strain));
+        let Some(contacts) = forces.contacts.as_mut().filter(|contacts| contacts.are_adapting()) else { return };
+        if particles.are_remote() {
+            hydrodynamics.mobility().follow(moving.cell(), particles);
+            let gap = hydrodynamics.steps().expect(ELSEWHERE).smallest_relative_gap(contacts.reach());
+            contacts.adapt_to_gap(gap, strain);
+        } else {
+            contacts.adapt(particles, domain, &lists, strain);
+        }
     }
 }

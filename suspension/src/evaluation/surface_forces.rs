@@ -6,10 +6,16 @@ use domain::Particles;
 
 impl Dynamics {
     /// Leaves the forces of pairs between surfaces to the solver, if its back end adds them up: those of free spheres,
-    /// in steps that do not need these pairs here. Pairs within a rigid body have no forces.
+    /// in steps that do not need these pairs here. Implicit steps leave them to it while particles move there. Pairs
+    /// within a rigid body have no forces.
     pub(super) fn leave_surface_forces(&mut self, particles: &Particles) {
-        let Self { forces, hydrodynamics, largest_radius, needs_pairs, .. } = self;
-        if !*needs_pairs && !bodies::exist(particles) {
+        let Self { forces, hydrodynamics, largest_radius, needs_pairs, is_implicit, .. } = self;
+        if bodies::exist(particles) {
+            return;
+        }
+        if *is_implicit {
+            hydrodynamics.take_surface_forces(&forces.between_surfaces());
+        } else if !*needs_pairs {
             forces.leave_surfaces(*largest_radius, |laws| hydrodynamics.take_surface_forces(laws));
         }
     }

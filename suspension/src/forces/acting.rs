@@ -5,7 +5,7 @@ use crate::neighbourhood::{NeighbourLists, PairsWithHalo};
 use domain::parallel::RowLists;
 use domain::{DomainView, Particles, Traceless, Vector};
 use fcm::{Loads, Motion};
-use hydrodynamics::{BondSprings, ContactSprings, HeldFluctuations, TetherResistance};
+use hydrodynamics::{BondSprings, ContactSprings, HeldFluctuations, HeldForces, TetherResistance};
 use lubrication::PairKind;
 
 /// Particles of a rank at one time.
@@ -89,6 +89,8 @@ pub struct Acting {
     pub ambient: Motion,
     /// Random motions and loads, in place of these, of particles that move where the far field is evaluated.
     pub fluctuations: Option<HeldFluctuations>,
+    /// Implicit forces and contacts, in place of all others, of such particles.
+    pub held_forces: Option<HeldForces>,
 }
 
 /// Resistance, force over velocity, of two particles or of a particle and a wall, as a function of the distance.

@@ -117,6 +117,11 @@ impl Forces {
         }
     }
 
+    /// Forces between surfaces, as the solver takes them.
+    pub fn between_surfaces(&self) -> Vec<SurfaceForce> {
+        self.surface.between_spheres()
+    }
+
     /// Whether the solver adds the forces of pairs between surfaces.
     pub fn surfaces_are_solved(&self) -> bool {
         self.surface.is_left_to_solver()
@@ -226,12 +231,12 @@ impl Forces {
         self.bonds.as_ref().is_some_and(Bonds::have_beams)
     }
 
-    /// Whether a force, or others who share its lists of neighbours, need positions in each evaluation; those who need
-    /// pairs at the positions of forces do not.
-    pub fn need_positions(&self) -> bool {
-        let Self { contacts, bonds, traps, dipoles, others, applied, registered, shared, .. } = self;
-        let are_near = self.range_in_solves.is_some() || shared.others.is_some();
-        let are_tied = contacts.is_some() || bonds.is_some() || traps.is_some();
+    /// Whether a force needs positions here in each evaluation of particles that move where the far field is evaluated,
+    /// which adds implicit forces between surfaces and at contacts.
+    pub fn need_positions(&self, are_implicit: bool) -> bool {
+        let Self { contacts, bonds, traps, dipoles, others, applied, registered, .. } = self;
+        let are_near = !are_implicit && (self.range_in_solves.is_some() || contacts.is_some());
+        let are_tied = bonds.is_some() || traps.is_some();
         let are_many = dipoles.is_empty() && others.is_empty() && registered.is_empty() && applied.is_empty();
         are_near || are_tied || !are_many
     }

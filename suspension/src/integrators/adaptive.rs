@@ -1,14 +1,14 @@
 //! Adaptive steps, as long as accuracy and near pairs allow.
 
 use crate::error::step::StepError;
-use crate::evaluation::gap_control::RelativeMotion;
+use crate::evaluation::approach::{Approach, Separated};
 use crate::evaluation::orders::{ErrorEstimate, USED, Weights, of_displacements, of_rotations, weights};
 use crate::evaluation::{Dynamics, Outcome, StageTime};
 use crate::integrators::adams_bashforth::remember;
 use crate::integrators::motion;
 use crate::integrators::substeps::{SHORTEST, ages, grow_older, grow_oldest, moved_apart, share};
 use crate::model::Adaptive;
-use domain::{Particles, Vector};
+use domain::Particles;
 use simulation::Clock;
 
 /// Number of past velocities that are stored.
@@ -67,7 +67,7 @@ pub fn advance(
             AdaptiveSubstep { particles, ages: &ages, control, clock }.choose(rest, dynamics)?;
         let end = if step >= rest { 1.0 } else { fraction + step / clock.dt() };
         motion::advance(particles, USED, weights);
-        motion::move_apart(particles, &apart);
+        motion::move_apart(particles, apart);
         let (known, times) = smooth(&ages);
         motion::end_smooth(particles, &USED[..known], &times[..known], step);
         remember(particles, PAST_VELOCITIES);
@@ -98,12 +98,11 @@ struct AdaptiveSubstep<'a> {
     clock: &'a Clock,
 }
 
-/// Length of a substep, weights of the velocities in [`USED`], and displacements that separate spheres (empty if there
-/// are none).
+/// Length of a substep, weights of the velocities in [`USED`], and displacements that separate spheres.
 struct Chosen {
     step: f64,
     weights: [f64; USED.len()],
-    apart: Vec<Vector>,
+    apart: Separated,
 }
 
 /// Properties of a trial substep: its error and roughness and the largest loss of a gap, each over the allowed value,
@@ -117,7 +116,7 @@ struct Known {
 impl AdaptiveSubstep<'_> {
     /// Chooses the longest substep that is allowed and divides `rest` evenly, so that no small remainder is left at the
     /// end.
-    fn choose(mut self, rest: f64, dynamics: &Dynamics) -> Result<Chosen, StepError> {
+    fn choose(mut self, rest: f64, dynamics: &mut Dynamics) -> Result<Chosen, StepError> {
         let mut approach = dynamics.approach(self.particles, USED);
         let mut longest = self.ages.get(1).map_or(rest, |last| rest.min(GROWTH * last));
         loop {
@@ -145,7 +144,7 @@ impl AdaptiveSubstep<'_> {
         &mut self,
         step: f64,
         orders: &Weights,
-        approach: &mut RelativeMotion<{ USED.len() }>,
+        approach: &mut Approach<{ USED.len() }>,
         dynamics: &Dynamics,
     ) -> Known {
         let comm = dynamics.partition().comm();
@@ -153,7 +152,7 @@ impl AdaptiveSubstep<'_> {
         let carry = dynamics.periodic_cell().advect(step, [0.0; 3]);
         let gaps = approach.advected_by(carry).after_orders(*orders, least, comm);
         let of_gaps = ErrorEstimate { error: gaps.error, roughness: gaps.roughness };
-        let of_places = of_displacements(self.particles, orders, comm).scaled(1.0 / self.control.tolerance);
+        let of_places = of_displacements(self.particles, orders, dynamics).scaled(1.0 / self.control.tolerance);
         let of_rotations = of_rotations(self.particles, orders, comm).scaled(1.0 / self.control.tolerance);
         let estimate =
             of_places.worse(of_rotations).worse(of_gaps.scaled(1.0 / (GAP_ERROR * self.control.gap_fraction)));

@@ -4,8 +4,8 @@ use crate::columns;
 use crate::columns::VELOCITY;
 use crate::columns::{EXPECTED, MEAN, PAST};
 use crate::error::step::StepError;
+use crate::evaluation::approach::{Approach, Separated};
 use crate::evaluation::extrapolation;
-use crate::evaluation::gap_control::RelativeMotion;
 use crate::evaluation::{Dynamics, Outcome, StageTime};
 use crate::forces::contacts;
 use crate::forces::tethers::MovingBonds;
@@ -15,7 +15,7 @@ use crate::integrators::substeps::{SHORTEST, ages, grow_older, largest_displacem
 use crate::model::Adaptive;
 use crate::rotation;
 use crate::scalars::NEXT_SUBSTEP;
-use domain::{Comm, Particles};
+use domain::Particles;
 use simulation::Clock;
 
 /// Columns from which the positions at the end of a substep are predicted.
@@ -131,11 +131,10 @@ impl Substep<'_> {
     /// of the solve.
     fn take(self, dynamics: &mut Dynamics) -> Result<(f64, Outcome), StepError> {
         let Self { particles, control, clock, fraction } = self;
-        let comm = dynamics.partition().comm().clone();
         dynamics.remember(particles, 0);
         let (ages, rest) = (ages(&particles.scalars), (1.0 - fraction) * clock.dt());
         let mut longest =
-            proposed(particles, &ages, control, &comm).min(dynamics.periodic_cell().longest_substep()).min(rest);
+            proposed(particles, &ages, control, dynamics).min(dynamics.periodic_cell().longest_substep()).min(rest);
         let before = (particles.copied(), dynamics.periodic_cell().clone());
         loop {
             let mut approach = dynamics.approach(particles, USED);
@@ -160,7 +159,7 @@ impl Substep<'_> {
                 dynamics.wrap_and_migrate(particles, &moment)?;
                 dynamics.end_flow(length.implicit());
                 grow_older(&mut particles.scalars, &ages, step);
-                finish(particles, &length, step * factor.min(GROWTH));
+                finish(particles, &length, step * factor.min(GROWTH), dynamics);
                 dynamics.adapt_stiffness(particles, step);
                 return Ok((end, outcome));
             }
@@ -171,9 +170,9 @@ impl Substep<'_> {
 }
 
 /// Length of a substep by its error; the first substep moves no sphere by more than the tolerance. Collective.
-fn proposed(particles: &mut Particles, ages: &[f64], control: &Adaptive, comm: &Comm) -> f64 {
+fn proposed(particles: &mut Particles, ages: &[f64], control: &Adaptive, dynamics: &Dynamics) -> f64 {
     if ages.len() < 2 {
-        return control.tolerance / largest_displacement(particles, [VELOCITY], [1.0], comm);
+        return control.tolerance / largest_displacement(particles, [VELOCITY], [1.0], dynamics);
     }
     particles.scalars.numbers(NEXT_SUBSTEP).map_or(0.0, |[next]| next)
 }
@@ -191,7 +190,7 @@ struct LengthBounds<'a> {
 /// Length of a substep: `rest` divided evenly into parts not longer than `longest`, in which no gap is predicted to
 /// lose more than allowed, and no bond to change more. Collective.
 fn choose(
-    approach: &mut RelativeMotion<3>,
+    approach: &mut Approach<3>,
     bonds: &MovingBonds<3>,
     ages: &[f64],
     LengthBounds { rest, mut longest, control, clock }: LengthBounds,
@@ -218,12 +217,12 @@ fn choose(
 }
 
 /// Moves the particles to their predicted positions at the end of a substep. Collective.
-fn predict(particles: &mut Particles, length: &Length, mut approach: RelativeMotion<3>, dynamics: &mut Dynamics) {
-    motion::combine(particles, [VELOCITY, PAST[0]], length.extrapolation(), EXPECTED);
+fn predict(particles: &mut Particles, length: &Length, mut approach: Approach<3>, dynamics: &mut Dynamics) {
+    motion::combine(particles, [VELOCITY, PAST[0]], length.extrapolation(), EXPECTED, dynamics);
     let sheared = approach.advected_by(dynamics.periodic_cell().advect(length.step, length.expected()));
-    let apart = moved_apart(sheared, length.expected(), dynamics).unwrap_or_default();
+    let apart = moved_apart(sheared, length.expected(), dynamics).unwrap_or(Separated::Apart);
     motion::advance(particles, USED, length.expected());
-    motion::move_apart(particles, &apart);
+    motion::move_apart(particles, apart);
     remember(particles, PAST_OF_ANY_LENGTH);
     dynamics.predict_flow(length.extrapolation(), length.expected());
 }
@@ -233,28 +232,28 @@ fn predict(particles: &mut Particles, length: &Length, mut approach: RelativeMot
 /// values. Collective.
 fn correct(particles: &mut Particles, length: &Length, control: &Adaptive, dynamics: &mut Dynamics) -> f64 {
     let missing = dynamics.correct_flow(length.correction()[0]);
-    let (columns, weights, comm) = ([VELOCITY, EXPECTED], length.correction(), dynamics.partition().comm());
+    let (columns, weights, comm) = ([VELOCITY, EXPECTED], length.correction(), dynamics.partition().comm().clone());
     let share = if length.ages.len() < 2 { 1.0 / 2.0 } else { 1.0 / 3.0 };
     let [now, past] = length.extrapolation().map(|weight| -weight * weights[0]);
     let (last, difference) = ([VELOCITY, PAST[0], PAST[1]], [weights[0], now, past]);
-    let moved = largest_displacement(particles, last, difference, comm);
-    let moved = moved.max(rotation::largest(particles, last, difference, comm));
+    let moved = largest_displacement(particles, last, difference, dynamics);
+    let moved = moved.max(rotation::largest(particles, last, difference, &comm));
     let error = share * moved / control.tolerance;
     let mut approach = dynamics.approach(particles, columns);
     let sheared = approach.advected_by(dynamics.periodic_cell().deformation(missing));
-    let change = sheared.after([weights, [0.0; 2]], dynamics.least_gaps(control.tolerance), comm);
+    let change = sheared.after([weights, [0.0; 2]], dynamics.least_gaps(control.tolerance), &comm);
     let Some(apart) = moved_apart(sheared, weights, dynamics) else { return f64::INFINITY };
     let Some(bonds) = dynamics.moving_bonds(particles, columns, control.tolerance) else { return f64::INFINITY };
-    let of_bonds = bonds.displacement(weights, comm) / BOND_ERROR;
+    let of_bonds = bonds.displacement(weights, &comm) / BOND_ERROR;
     motion::advance(particles, columns, weights);
-    motion::move_apart(particles, &apart);
+    motion::move_apart(particles, apart);
     error.max(change.error / GAP_ERROR).max(of_bonds)
 }
 
 /// Stores the data from which the next substep starts.
-fn finish(particles: &mut Particles, length: &Length, next: f64) {
+fn finish(particles: &mut Particles, length: &Length, next: f64, dynamics: &Dynamics) {
     let b = length.implicit();
-    motion::combine(particles, [VELOCITY, MEAN], [b, 1.0 - b], MEAN);
+    motion::combine(particles, [VELOCITY, MEAN], [b, 1.0 - b], MEAN, dynamics);
     motion::end(particles);
     particles.scalars.set(NEXT_SUBSTEP, &[next]);
     contacts::keep(particles);

@@ -1,8 +1,10 @@
 //! The motion of particles in a step: the one place where integrators change positions and orientations.
 
+use crate::evaluation::Dynamics;
+use crate::evaluation::approach::Separated;
 use crate::{bodies, rotation};
 use domain::parallel::{change, of_rows};
-use domain::{Particles, Vector};
+use domain::{ColumnValues, Particles};
 
 /// Moves the particles by the sum of `weights[k]` times the velocities in column `k`, and rotates their orientations,
 /// if they have some, by the same sum of angular velocities. Rotations within a step are added as vectors, like
@@ -18,10 +20,16 @@ pub fn advance<const N: usize>(particles: &mut Particles, columns: [&str; N], we
     bodies::swing(particles, &arms);
 }
 
-/// Moves the particles by displacements without rotation, which keep near spheres apart; an empty list stands for none.
-/// All spheres of a rigid body have the same displacement.
-pub fn move_apart(particles: &mut Particles, displacements: &[Vector]) {
-    change(&mut particles.positions, displacements, |position, &displacement| *position += displacement);
+/// Moves the particles by displacements without rotation, which keep near spheres apart. All spheres of a rigid body
+/// have the same displacement.
+pub fn move_apart(particles: &mut Particles, separated: Separated) {
+    match separated {
+        Separated::Apart => {}
+        Separated::Here(displacements) => {
+            change(&mut particles.positions, &displacements, |position, &displacement| *position += displacement);
+        }
+        Separated::Held(displacements) => particles.displace_remotely(displacements),
+    }
 }
 
 /// Ends a step or substep. Its rotations are of order 2 in the step.
@@ -69,7 +77,15 @@ fn copy_column(particles: &mut Particles, from: &str, to: &str) {
 
 /// Stores the weighted sum of columns of velocities in another, which may be one of them, and those of the columns that
 /// [`copy`] copies.
-pub fn combine(particles: &mut Particles, columns: [&str; 2], weights: [f64; 2], to: &str) {
+pub fn combine(particles: &mut Particles, columns: [&str; 2], weights: [f64; 2], to: &str, dynamics: &Dynamics) {
+    match dynamics.held_sum(particles, columns, weights) {
+        Some(list) => particles.set_column(to, 3, ColumnValues::remote(list)),
+        None => combine_here(particles, columns, weights, to),
+    }
+}
+
+/// [`combine`] for particles that move here.
+fn combine_here(particles: &mut Particles, columns: [&str; 2], weights: [f64; 2], to: &str) {
     store_sum(particles, columns, weights, to);
     for [first, second, to] in accompanying(particles, [columns[0], columns[1], to]).into_iter().flatten() {
         store_sum(particles, [first, second], weights, to);
@@ -91,7 +107,7 @@ mod tests {
     use crate::columns::{ANGULAR_VELOCITY, ARM, BODY, EXPECTED, PAST, ROTATION, VELOCITY};
     use crate::integrators::adams_bashforth::{AdamsBashforth, advance};
     use crate::rotation::orientations;
-    use domain::Quaternion;
+    use domain::{Quaternion, Vector};
     use simulation::Clock;
 
     /// Vectors of two rotations about different axes: `exp(t A) exp(t B)` has the angular velocity `A + exp(t A) B`.
@@ -186,7 +202,7 @@ mod tests {
         let (v, w) = (Vector::new(1.0, 2.0, -0.5), Vector::new(0.4, 0.3, -2.0));
         set_motion(&mut particles, [v, w]);
         copy(&mut particles, VELOCITY, PAST[0]);
-        combine(&mut particles, [VELOCITY, PAST[0]], [2.0, -1.0], EXPECTED);
+        combine_here(&mut particles, [VELOCITY, PAST[0]], [2.0, -1.0], EXPECTED);
         let turned = Quaternion::exp(w * 3.0) * orientations(&mut particles)[0];
         super::advance(&mut particles, [EXPECTED, PAST[0]], [2.0, 1.0]);
         for (row, arm) in [Vector::Z, -Vector::Z].into_iter().enumerate() {

@@ -1,10 +1,10 @@
 //! Common parts of the integrators with substeps.
 
 use crate::evaluation::Dynamics;
-use crate::evaluation::gap_control::RelativeMotion;
+use crate::evaluation::approach::{Approach, Separated};
 use crate::scalars::{AGES, OLDEST_AGE};
 use domain::parallel::{change, greatest, of_rows};
-use domain::{Comm, Particles, Scalars, Vector};
+use domain::{Particles, Scalars, Vector};
 
 /// Smallest substep, over the clock's step.
 pub const SHORTEST: f64 = 1e-9;
@@ -20,11 +20,11 @@ pub fn share(rest: f64, longest: f64) -> f64 {
 /// Displacements that separate spheres closer than the minimum gap of lubrication, if there is lubrication. `None` if
 /// they cannot be separated. Collective.
 pub fn moved_apart<const N: usize>(
-    approach: &RelativeMotion<N>,
+    approach: &Approach<N>,
     weights: [f64; N],
     dynamics: &Dynamics,
-) -> Option<Vec<Vector>> {
-    let Some(range) = dynamics.lubrication() else { return Some(Vec::new()) };
+) -> Option<Separated> {
+    let Some(range) = dynamics.lubrication() else { return Some(Separated::Apart) };
     approach.apart(weights, range.minimum_gap(), dynamics.partition().comm())
 }
 
@@ -34,8 +34,11 @@ pub fn largest_displacement<const N: usize>(
     particles: &mut Particles,
     columns: [&str; N],
     weights: [f64; N],
-    comm: &Comm,
+    dynamics: &Dynamics,
 ) -> f64 {
+    if let Some(largest) = dynamics.held_displacement(particles, columns, weights) {
+        return largest;
+    }
     let mut sums = of_rows(particles.len(), |_| Vector::ZERO);
     for (name, weight) in columns.into_iter().zip(weights) {
         change(&mut sums, particles.vectors(name), |sum, &v| *sum += v * weight);
@@ -43,7 +46,7 @@ pub fn largest_displacement<const N: usize>(
     let over_radius = of_rows(sums.len(), |row| sums[row].length() / particles.radii[row]);
     // The maximum of floating-point numbers ignores NaN.
     let mut largest = [greatest(&over_radius, |&over| if over.is_nan() { f64::INFINITY } else { over })];
-    comm.max(&mut largest);
+    dynamics.partition().comm().max(&mut largest);
     largest[0]
 }
 

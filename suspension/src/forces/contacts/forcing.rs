@@ -1,6 +1,6 @@
 //! The contacts of a solve: loads, implicit resistances, and states at the end of the substep.
 
-use super::history::{CONTACT_NUMBERS, FOUND, Memory, note};
+use super::history::{CONTACT_NUMBERS, FOUND, Memory, note, too_many};
 use super::prediction::{Expected, ForcePrediction, RigidMotions};
 use super::touching::{AllTouching, Touching};
 use crate::forces::acting::Instant;
@@ -78,7 +78,7 @@ impl ContactForcing {
         if !all_rows(contacts.rows(), fits) {
             let row = (0..contacts.rows()).find(|&row| !fits(row));
             let id = particles.ids[row.expect("a row with more contacts than slots")];
-            return Err(format!("particle {id} has more than {slots} contacts"));
+            return Err(too_many(id, slots));
         }
         let width = CONTACT_NUMBERS * slots;
         let (values, _) = in_blocks(width * contacts.rows(), width * STORED, |first, block: &mut [f64]| {

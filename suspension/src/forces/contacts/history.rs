@@ -38,6 +38,11 @@ pub fn most_contacts(radii: [f64; 2], count: usize) -> usize {
     ((0.9 * 4.0 * (1.0 + ratio).powi(2)).ceil() as usize).min(count.saturating_sub(1)).max(1)
 }
 
+/// Message for a particle with more contacts than slots.
+pub fn too_many(id: u64, slots: usize) -> String {
+    format!("particle {id} has more than {slots} contacts")
+}
+
 /// Stored state of the contact of a row with the particle `id`.
 pub fn recall(column: &Column, row: usize, id: u64) -> Option<Memory> {
     let of_row = &column.values[row * column.width..][..column.width];

@@ -24,8 +24,8 @@ use domain::{DomainView, ExpectedCounts, Failure, Particles, Tensor};
 use fcm::Loads;
 pub use forces::{FORCE_NUMBERS, contact_force, of as force_numbers};
 use forcing::ContactForcing;
-pub use history::keep;
-use history::{CONTACT_NUMBERS, most_contacts};
+use history::most_contacts;
+pub use history::{CONTACT_NUMBERS, CONTACTS, FOUND, keep, too_many};
 use lubrication::Contact;
 pub use statistics::ContactStatistics;
 pub use stiffness_adaptation::StiffnessAdaptation;
@@ -173,6 +173,16 @@ impl Contacts {
         self.law.stiffness
     }
 
+    /// Law of all contacts, with the present stiffness.
+    pub fn law(&self) -> &Contact {
+        &self.law
+    }
+
+    /// Largest number of contacts stored per particle.
+    pub fn slots(&self) -> usize {
+        self.slots
+    }
+
     /// Distance of centres up to which any two spheres touch.
     pub fn reach(&self) -> f64 {
         self.reach
@@ -183,14 +193,27 @@ impl Contacts {
         AllTouching::of(&self.law, particles, domain.cell, lists.near(particles, domain, self.reach))
     }
 
-    /// Adapts the stiffness, unless the adaptation is over, after the flow has advanced by `strain`. Collective.
+    /// Whether the stiffness still adapts.
+    pub fn are_adapting(&self) -> bool {
+        self.adaptation.is_some_and(|adaptation| !adaptation.is_over())
+    }
+
+    /// Adapts the stiffness after the flow has advanced by `strain`. Collective.
     pub fn adapt(&mut self, particles: &Particles, domain: DomainView, lists: &NeighbourLists, strain: f64) {
-        let Some(mut adaptation) = self.adaptation.filter(|adaptation| !adaptation.is_over()) else { return };
+        let Some(mut adaptation) = self.adaptation else { return };
         let touching = self.touching(particles, domain, lists);
         let mut largest = [statistics::largest_overlap(&self.law, &touching)];
         domain.comm().max(&mut largest);
         adaptation.adapt(largest[0], strain);
         self.set_adaptation(Some(adaptation));
+    }
+
+    /// [`Self::adapt`] to the smallest gap of spheres within [`Self::reach`], over the mean radius.
+    pub fn adapt_to_gap(&mut self, gap: f64, strain: f64) {
+        if let Some(mut adaptation) = self.adaptation {
+            adaptation.adapt((1.0 - gap / self.law.roughness).max(0.0), strain);
+            self.set_adaptation(Some(adaptation));
+        }
     }
 
     /// Forces of the contacts of this rank's particles with others of higher id, as rows of numbers that
