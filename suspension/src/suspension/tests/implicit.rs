@@ -1,0 +1,213 @@
+//! Implicit and adaptive steps, by spheres that move on an emulator of a card.
+
+use super::*;
+use crate::forces::contacts::CONTACTS;
+use crate::model::Contacts;
+use crate::scalars::NEXT_SUBSTEP;
+use lubrication::Elasticity;
+
+/// Spheres in shear at a volume fraction of 40%, by implicit steps.
+fn dense(change: impl FnOnce(&mut Parameters)) -> Model {
+    model([30, 14], |parameters| {
+        parameters.flow = Flow::Shear { rate: 1.0, lees_edwards: true };
+        parameters.hydrodynamics.lubrication = true;
+        parameters.integrator = Integrator::Implicit(Adaptive::default());
+        change(parameters);
+    })
+}
+
+/// Contacts of asperities so high that many spheres touch from the start.
+fn touching() -> Contacts {
+    Contacts { roughness: 0.05, stiffness: Some(2e3), ..Contacts::new(0.5) }
+}
+
+/// Stiff repulsion.
+fn repelling() -> Model {
+    dense(|parameters| {
+        parameters.repulsion = Some(Repulsion { radius_power: 2, range: Some(0.1), ..Repulsion::new(300.0) });
+    })
+}
+
+/// Frictional contacts, without control of the error.
+fn frictional() -> Model {
+    dense(|parameters| {
+        parameters.contacts = Some(touching());
+        parameters.integrator = Integrator::Implicit(Adaptive::UNLIMITED);
+    })
+}
+
+/// Hertz' law, with a critical load and friction of rolling, a screened repulsion that reaches beyond lubrication, and a
+/// weight.
+fn rolling() -> Model {
+    dense(|parameters| {
+        let law = Elasticity::Hertz;
+        parameters.contacts =
+            Some(Contacts { rolling_friction: 0.2, critical_load: 0.5, law, stiffness: Some(2e4), ..touching() });
+        parameters.repulsion = Some(Repulsion { screening_length: Some(0.05), ..Repulsion::new(5.0) });
+        parameters.gravity = Vector::new(0.0, 0.0, -4.0);
+        parameters.species[1].density_difference = 1.0;
+    })
+}
+
+/// A stiffness that adapts, without lubrication.
+fn adapting() -> Model {
+    dense(|parameters| {
+        parameters.hydrodynamics.lubrication = false;
+        parameters.contacts = Some(Contacts { stiffness: None, ..touching() });
+    })
+}
+
+/// Explicit steps whose lengths depend on gaps.
+fn explicit() -> Model {
+    dense(|parameters| {
+        parameters.integrator = Integrator::Adaptive(Adaptive::default());
+        parameters.repulsion = Some(Repulsion { radius_power: 2, range: Some(0.1), ..Repulsion::new(30.0) });
+    })
+}
+
+/// In `f64` with a smaller tolerance of solves.
+fn exact(model: &Model) -> Model {
+    let mut parameters = (**model).clone();
+    parameters.hydrodynamics.iteration_tolerance = Some(1e-8);
+    Model::new(parameters).unwrap()
+}
+
+/// Largest difference of the numbers of a column over the largest number.
+fn difference(name: &str, runs: [&Suspension; 2]) -> f64 {
+    let [card, host] = runs.map(|run| by_id(run.particles()));
+    let column = |particles: &Particles| particles.columns.iter().find(|c| c.name == name).unwrap().values.clone();
+    let (found, exact) = (column(&card), column(&host));
+    let largest = exact.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
+    found.iter().zip(exact.iter()).map(|(found, exact)| (found - exact).abs()).fold(0.0, f64::max) / largest
+}
+
+/// Spheres move as on the host in each step, in as many substeps, with the same forces at contacts: to the precision of
+/// the far field, or to that of solves.
+#[test]
+fn spheres_move_as_on_the_host() {
+    for model in [repelling(), frictional(), rolling(), adapting(), explicit()] {
+        agree(&model, 1e-3);
+    }
+}
+
+/// The same in `f64`.
+#[test]
+fn spheres_move_as_on_the_host_in_double_precision() {
+    for model in [repelling(), frictional(), rolling(), adapting(), explicit()] {
+        agree(&exact(&model), 1e-6);
+    }
+}
+
+fn agree(model: &Model, allowed: f64) {
+    let start = started(model, None);
+    let [mut host, mut card] = [started(model, None), on(started(model, None), emulator(1).0)];
+    for step in 0..4 {
+        for run in [&mut host, &mut card] {
+            run.step().unwrap();
+        }
+        assert!(card.particles.are_remote());
+        let [moved, error] = [&start, &card].map(|run| distance(run, &host));
+        assert!(error < allowed * moved, "step {step}: {error:e} of {moved:e}");
+        // From the same start.
+        assert!(card.outcome.iterations <= host.outcome.iterations + 2);
+        let substep = [&card, &host].map(|run| run.particles.scalars.numbers::<1>(NEXT_SUBSTEP));
+        if let [Some([of_card]), Some([of_host])] = substep {
+            assert!((of_card / of_host - 1.0).abs() < 100.0 * allowed, "{of_card:e} and {of_host:e}");
+        }
+        if model.contacts.is_some() {
+            let error = difference(CONTACTS, [&card, &host]);
+            assert!(error < 100.0 * allowed, "step {step}: contacts {error:e}");
+            let [of_card, of_host] = [&card, &host].map(|run| run.dynamics.contact_stiffness().unwrap());
+            assert!((of_card / of_host - 1.0).abs() < 10.0 * allowed, "{of_card} and {of_host}");
+        }
+    }
+    let mut contacts = started(model, None);
+    let touch = contacts.dynamics.contact_statistics(&contacts.particles.clone());
+    assert!(touch.is_none_or(|touch| touch.numbers(&Comm::alone())[0] > 1.0), "spheres touch from the start");
+    contacts.step().unwrap();
+}
+
+/// A step copies settings and sums, however many spheres there are.
+#[test]
+fn particles_stay_on_the_card() {
+    for model in [repelling(), frictional(), rolling(), adapting(), explicit()] {
+        let (device, counts) = emulator(1);
+        let mut card = advanced(on(started(&model, None), device), STEPS + 2);
+        let before = counts.borrow().clone();
+        card.step().unwrap();
+        let after = counts.borrow().clone();
+        let copied = |after: [u64; 2], before: [u64; 2]| after[1] - before[1];
+        let [up, down] = [copied(after.uploads, before.uploads), copied(after.downloads, before.downloads)];
+        println!("{up} {down}");
+        let is_here = |name: &str| card.particles.columns.iter().find(|c| c.name == name).unwrap().values.is_here();
+        assert!([VELOCITY, ANGULAR_VELOCITY, STRESSLET].into_iter().all(|name| !is_here(name)));
+        assert!(!card.particles.positions.is_here() && !card.particles.steps.is_here());
+    }
+}
+
+/// A run that is resumed between, on a card whose threads run in another order, has the same bits; one whose columns are
+/// read after each step too, and one that goes back to the start of a step that was interrupted.
+#[test]
+fn a_resumed_run_has_the_same_bits() {
+    for model in [frictional(), rolling()] {
+        let state = advanced(on(started(&model, None), emulator(1).0), 3).state();
+        for steps in 0..3 {
+            let mut part = advanced(on(started(&model, None), emulator(2).0), steps);
+            let mut resumed = advanced(on(started(&model, Some(&mut part)), emulator(3).0), 3 - steps);
+            assert_eq!(resumed.state(), state);
+        }
+        let mut read = on(started(&model, None), emulator(1).0);
+        let mut interrupted = on(started(&model, None), emulator(1).0);
+        for step in 0..3 {
+            assert!(read.particles().columns.iter().all(|column| column.values.is_here()));
+            read.step().unwrap();
+            for check in 0..2 {
+                let checks = AtomicUsize::new(0);
+                interrupted.listen(Interrupt::when(move || checks.fetch_add(1, Ordering::Relaxed) == check));
+                let before = (step == 1).then(|| by_id(&interrupted.state().particles));
+                interrupted.step().unwrap_err();
+                if let Some(before) = before {
+                    assert_eq!(by_id(&interrupted.state().particles), before);
+                }
+            }
+            interrupted.listen(Interrupt::NEVER);
+            interrupted.step().unwrap();
+        }
+        assert_eq!(read.state(), state);
+        assert_eq!(interrupted.state(), state);
+    }
+}
+
+/// Spheres cross the faces of a sheared box, whose lattice vectors change at half a period of its strain, as on the
+/// host, and so do the frames of reference of their velocities.
+#[test]
+fn spheres_cross_faces_as_on_the_host() {
+    let model = dense(|parameters| {
+        parameters.flow = Flow::Shear { rate: 15.0, lees_edwards: true };
+        parameters.contacts = Some(Contacts { stiffness: Some(3e4), ..touching() });
+        parameters.integrator = Integrator::Implicit(Adaptive::UNLIMITED);
+    });
+    let model = exact(&model);
+    let [start, host] = [0, STEPS].map(|steps| advanced(started(&model, None), steps));
+    let card = advanced(on(started(&model, None), emulator(1).0), STEPS);
+    assert!(distance(&card, &host) < 1e-5 * distance(&start, &host));
+    let steps = [&card, &host].map(|run| run.gathered(None).steps);
+    assert_eq!(steps[0], steps[1]);
+    assert!(steps[0].iter().filter(|steps| **steps != [0; 3]).count() > 3);
+    assert!(difference(PAST[0], [&card, &host]) < 1e-4);
+}
+
+/// A step that fails has the message of the host, and the state before it is there.
+#[test]
+fn failures_are_those_of_the_host() {
+    let model = dense(|parameters| {
+        parameters.contacts = Some(Contacts { stiffness: Some(1e16), ..touching() });
+        parameters.flow = Flow::Shear { rate: 1e14, lees_edwards: true };
+        parameters.time_step = 1e-2;
+    });
+    let (mut host, mut card) = (started(&model, None), on(started(&model, None), emulator(1).0));
+    let before = by_id(&card.state().particles);
+    let errors = [&mut host, &mut card].map(|run| run.step().map_err(|error| error.to_string()));
+    println!("{errors:?}");
+    assert_eq!(by_id(&card.state().particles), before);
+}
