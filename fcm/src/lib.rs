@@ -83,7 +83,7 @@ pub use mobility::noise::Stream;
 pub use mobility::past_solutions::{PastNumbers, PastSolutions};
 pub use mobility::rank_one::Constraint;
 pub use mobility::stepping::{
-    DISPLACED, DisplacementError, DisplacementOrders, DisplacementWeights, GapChanges, HeldSteps, HeldVelocities,
+    DISPLACED, DisplacementError, DisplacementOrders, DisplacementWeights, GapChanges, HeldSteps, HeldVelocities, SeparationLimits,
     Separation,
 };
 pub use mobility::work::{Seconds, Work};

@@ -19,6 +19,7 @@
 #include "pair_steps.h"
 #include "pairs.h"
 #include "spread.h"
+#include "steps.h"
 #include "strain.h"
 #include "surface.h"
 #include "vectors.h"
@@ -64,6 +65,10 @@
     KERNEL(random_loads_##suffix, random_loads<T>)        \
     KERNEL(drawn_motions_##suffix, store_drawn<T>)        \
     KERNEL(overlapping_pairs_##suffix, count_overlaps<T>) \
+    KERNEL(gap_changes_2_##suffix, change_gaps<T, 2>)     \
+    KERNEL(gap_changes_4_##suffix, change_gaps<T, 4>)     \
+    KERNEL(nearest_pairs_##suffix, find_nearest<T>)       \
+    KERNEL(pushed_apart_##suffix, push_apart<T>)          \
     KERNEL(coupled_loads_##suffix, coupled_loads<T>)      \
     KERNEL(coupled_image_##suffix, coupled_image<T>)      \
     KERNEL(krylov_loads_##suffix, loads_of_vector<T>)     \
@@ -101,5 +106,8 @@ KERNEL(store_all, store_solution)
 KERNEL(compare_all, compare_with_guess)
 KERNEL(displace_all, displace)
 KERNEL(place_all, place_particles)
+KERNEL(combine_all, combine_columns)
+KERNEL(displacement_error_2, measure_displacements<2>)
+KERNEL(displacement_error_4, measure_displacements<4>)
 KERNELS(float, f32)
 KERNELS(double, f64)

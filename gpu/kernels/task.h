@@ -75,6 +75,7 @@ struct SurfacePair;
 struct History;
 struct Displacement;
 struct DrawnMotion;
+struct StepMotion;
 
 // gpu/src/task.rs has the same fields in the same order. Lists without a type hold values of the precision of the
 // grid, sorted positions unsigned integers of the same size.
@@ -167,9 +168,10 @@ struct Task {
     // Columns of solutions, and the places of rows in them.
     const History *history;
     const int *places;
-    // Particles that move, and random motions of the fluid at them.
+    // Particles that move, random motions of the fluid at them, and displacements that are measured.
     Displacement *displacement;
     const DrawnMotion *drawn;
+    const StepMotion *step;
 
     double cutoff_square, inverse_viscosity;
     // Multiplier of the solve: square of the Gaussian's width, coefficient of k^2 in the bracket.

@@ -121,6 +121,10 @@ pub(crate) struct Buffers {
     /// Limits of overlaps, and sums.
     pub(crate) overlap_limits: KnownBuffer,
     pub(crate) overlaps: Buffer,
+    /// Arguments of displacements that are measured, radii by class, and sums.
+    pub(crate) step: KnownBuffer,
+    pub(crate) radii: KnownBuffer,
+    pub(crate) step_sums: Buffer,
 }
 
 impl Buffers {

@@ -38,6 +38,7 @@ mod repeated;
 mod replay;
 mod scans;
 mod share;
+mod steps;
 mod strain;
 mod surface;
 mod surface_laws;
@@ -71,6 +72,7 @@ pub use overlaps::{CloseSpheres, OverlapLimits};
 pub use pair_noise::{PairDraw, PeriodicPlaces};
 pub use pair_rows::{IN_FLOW, OWN_NUMBERS, PAIR_NUMBERS, PairRows, PairSet, WALL_NUMBERS};
 pub use share::{GridShare, Peers, StencilSums};
+pub use steps::{STEP_COLUMNS, StepInput, StepMeasures};
 pub use strain::{StrainSums, StrainVectors};
 pub use surface_laws::{SurfaceKind, SurfaceLaws, SurfacePair};
 pub use tables::{

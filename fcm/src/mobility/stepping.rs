@@ -1,10 +1,11 @@
 //! Measures of displacements of particles that move where the far field is evaluated, and of their near pairs.
 
 use domain::RemoteList;
+use gpu::STEP_COLUMNS;
 use solver::BackgroundFlow;
 
 /// Columns of velocities of which a displacement is a weighted sum, at most.
-pub const DISPLACED: usize = 4;
+pub const DISPLACED: usize = STEP_COLUMNS;
 
 /// Weights of columns of velocities in displacements; those of missing columns are ignored.
 pub type DisplacementWeights = [f64; DISPLACED];
@@ -58,6 +59,19 @@ pub struct GapChanges {
     pub roughness: f64,
 }
 
+/// Limits of an iteration that moves near pairs apart.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SeparationLimits {
+    /// Smallest gap over the mean radius.
+    pub closest: f64,
+    /// Its relative tolerance.
+    pub slack: f64,
+    /// Number of iterations after which it fails.
+    pub rounds: usize,
+    /// Largest distance of centres of the pairs.
+    pub reach: f64,
+}
+
 /// Displacements that separate near pairs.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Separation {
@@ -73,7 +87,7 @@ pub enum Separation {
 /// the particles' ids and all numbers in the original units; the particles are arranged at their present positions.
 /// Equal calls have the same bits.
 pub trait HeldSteps {
-    /// Weighted sum of columns of vectors.
+    /// Weighted sum of columns of as many numbers, at least one.
     fn combined(&self, terms: &[(RemoteList, f64)]) -> RemoteList;
 
     /// Error of displacements over the radius of each particle.
@@ -91,15 +105,14 @@ pub trait HeldSteps {
         reach: f64,
     ) -> GapChanges;
 
-    /// Displacements, besides the weighted sum of velocities, that give every pair within `reach` a gap of at least
-    /// `closest` mean radii, up to a tenth of that. Iteratively, pairs that are closer are moved apart along their lines
-    /// of centres, the smaller sphere farther; a sphere of several such pairs moves by their mean.
+    /// Displacements, besides the weighted sum of velocities, that give every pair within reach the smallest gap, up to
+    /// its tolerance. Iteratively, pairs that are closer are moved apart along their lines of centres, the smaller sphere
+    /// farther; a sphere of several such pairs moves by their mean.
     fn moved_apart(
         &self,
         velocities: &HeldVelocities,
         weights: &DisplacementWeights,
-        closest: f64,
-        reach: f64,
+        limits: &SeparationLimits,
     ) -> Separation;
 
     /// Smallest gap of pairs within `reach`, over their mean radius; infinite without pairs.

@@ -10,14 +10,19 @@ use std::cell::RefCell;
 
 /// Lists of numbers of particles in the memory of a device, in the order of ids.
 pub(super) struct KeptLists {
-    field: SharedField,
+    /// The far field, in whose memory they are.
+    pub field: SharedField,
     lists: RefCell<Vec<(RemoteList, DeviceList)>>,
+    /// Radii by class.
+    pub radii: Vec<f64>,
+    /// Unit of length of the far field.
+    pub length: f64,
 }
 
 impl KeptLists {
-    /// No lists.
-    pub fn new(field: &SharedField) -> Self {
-        Self { field: field.clone(), lists: RefCell::default() }
+    /// No lists, for particles with these radii by class, and for a unit of length of the far field.
+    pub fn new(field: &SharedField, radii: &[f64], length: f64) -> Self {
+        Self { field: field.clone(), lists: RefCell::default(), radii: radii.to_vec(), length }
     }
 
     /// Columns of a solution for some particles, whose values are undefined, and what stands for them.
@@ -52,7 +57,7 @@ impl KeptLists {
     }
 
     /// A list of this many values, which are undefined.
-    fn list(&self, count: usize) -> DeviceList {
+    pub fn list(&self, count: usize) -> DeviceList {
         succeeded(self.field.borrow_mut().wide_list(count))
     }
 

@@ -108,7 +108,7 @@ impl DeviceFarField {
             partition: partition.clone(),
             units,
             tables,
-            kept: Rc::new(KeptLists::new(&split)),
+            kept: Rc::new(KeptLists::new(&split, &plan.radii, units.length)),
             places: Vec::new(),
             split,
             images: HostImages::new(&own, partition),

@@ -1,20 +1,84 @@
 //! Measures of displacements of particles that move on a device.
 
 use super::kept_lists::KeptLists;
+use super::succeeded;
 use crate::mobility::stepping::{
     DisplacementError, DisplacementOrders, DisplacementWeights, GapChanges, HeldSteps, HeldVelocities, Separation,
+    SeparationLimits,
 };
 use domain::RemoteList;
+use gpu::{DeviceList, StepInput};
+
+impl DisplacementOrders<'_> {
+    /// Weights of each order, and the ratios up to which a motion counts as smooth.
+    fn parts(&self) -> (&[DisplacementWeights], [f64; 2]) {
+        match self {
+            Self::Two(weights) => (&weights[..], [0.0; 2]),
+            Self::Four { weights, smooth } => (&weights[..], *smooth),
+        }
+    }
+}
+
+/// Weights of the differences between displacements and the next ones.
+fn differences(weights: &[DisplacementWeights]) -> Vec<DisplacementWeights> {
+    let between =
+        |pair: &[DisplacementWeights]| -> DisplacementWeights { std::array::from_fn(|k| pair[0][k] - pair[1][k]) };
+    weights.windows(2).map(between).collect()
+}
+
+/// A number, or infinity in place of one that is none; 0 without any.
+fn or_infinite(number: Option<f64>) -> f64 {
+    number.map_or(0.0, |number| if number.is_nan() { f64::INFINITY } else { number })
+}
+
+impl KeptLists {
+    /// Input of measures of the arranged particles.
+    fn measured(&self) -> StepInput<'_> {
+        StepInput { radii: &self.radii, length: self.length, ..StepInput::default() }
+    }
+
+    /// The same with velocities, whose columns are `columns`.
+    fn moving_by<'a>(&'a self, velocities: &HeldVelocities, columns: &'a [DeviceList]) -> StepInput<'a> {
+        let gradient = velocities.flow.gradient().transpose().to_cols_array();
+        StepInput { positions: Some(self.held(velocities.positions)), gradient, columns, ..self.measured() }
+    }
+
+    fn all_held(&self, columns: &[RemoteList]) -> Vec<DeviceList> {
+        columns.iter().map(|remote| self.held(remote)).collect()
+    }
+
+    /// Lists of displacements that move pairs apart: those of the last round that moved any, and whether there is none
+    /// left to move.
+    fn rounds(&self, input: &StepInput, rounds: usize, count: usize) -> (Option<DeviceList>, bool) {
+        let mut so_far: Option<DeviceList> = None;
+        for _ in 0..rounds {
+            let after = self.list(count);
+            let pushed = succeeded(self.field.borrow_mut().push_apart(input, so_far.as_ref(), &after));
+            let unused = if pushed == 0 { Some(after) } else { so_far.replace(after) };
+            if let Some(unused) = unused {
+                self.field.borrow_mut().release(&unused);
+            }
+            if pushed == 0 {
+                return (so_far, true);
+            }
+        }
+        (so_far, false)
+    }
+}
 
 impl HeldSteps for KeptLists {
     fn combined(&self, terms: &[(RemoteList, f64)]) -> RemoteList {
-        let _ = terms;
-        unimplemented!()
+        let terms: Vec<(DeviceList, f64)> = terms.iter().map(|(remote, weight)| (self.held(remote), *weight)).collect();
+        let sum = self.list(terms[0].0.count());
+        succeeded(self.field.borrow_mut().combine(&terms, &sum));
+        self.keep(sum)
     }
 
     fn displacement_error(&self, columns: &[RemoteList], orders: &DisplacementOrders) -> DisplacementError {
-        let _ = (columns, orders);
-        unimplemented!()
+        let ((weights, smooth), columns) = (orders.parts(), self.all_held(columns));
+        let input = StepInput { columns: &columns, weights: &differences(weights), smooth, ..self.measured() };
+        let found = succeeded(self.field.borrow_mut().displacement_error(&input));
+        DisplacementError { error: or_infinite(found.error), roughness: or_infinite(found.roughness) }
     }
 
     fn gap_changes(
@@ -24,23 +88,35 @@ impl HeldSteps for KeptLists {
         least: [f64; 2],
         reach: f64,
     ) -> GapChanges {
-        let _ = (velocities, orders, least, reach);
-        unimplemented!()
+        let ((weights, smooth), columns) = (orders.parts(), self.all_held(velocities.columns));
+        let input = StepInput { weights, smooth, least, reach, ..self.moving_by(velocities, &columns) };
+        let found = succeeded(self.field.borrow_mut().gap_changes(&input));
+        let [loss, error, roughness] = [found.loss, found.error, found.roughness].map(Option::unwrap_or_default);
+        GapChanges { gap: found.gap.unwrap_or(f64::INFINITY), loss, error, roughness }
     }
 
     fn moved_apart(
         &self,
         velocities: &HeldVelocities,
         weights: &DisplacementWeights,
-        closest: f64,
-        reach: f64,
+        limits: &SeparationLimits,
     ) -> Separation {
-        let _ = (velocities, weights, closest, reach);
-        unimplemented!()
+        let columns = self.all_held(velocities.columns);
+        let &SeparationLimits { closest, slack, rounds, reach } = limits;
+        let weights = &[*weights];
+        let input = StepInput { weights, closest, slack, reach, ..self.moving_by(velocities, &columns) };
+        match self.rounds(&input, rounds, self.held(velocities.positions).count()) {
+            (None, true) => Separation::Apart,
+            (Some(list), true) => Separation::By(self.keep(list)),
+            (list, false) => {
+                list.iter().for_each(|list| self.field.borrow_mut().release(list));
+                Separation::Fails
+            }
+        }
     }
 
     fn smallest_relative_gap(&self, reach: f64) -> f64 {
-        let _ = reach;
-        unimplemented!()
+        let input = StepInput { reach, ..self.measured() };
+        succeeded(self.field.borrow_mut().smallest_relative_gap(&input)).unwrap_or(f64::INFINITY)
     }
 }
