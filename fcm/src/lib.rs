@@ -83,8 +83,8 @@ pub use mobility::noise::Stream;
 pub use mobility::past_solutions::{PastNumbers, PastSolutions};
 pub use mobility::rank_one::Constraint;
 pub use mobility::stepping::{
-    DISPLACED, DisplacementError, DisplacementOrders, DisplacementWeights, GapChanges, HeldSteps, HeldVelocities, SeparationLimits,
-    Separation,
+    DISPLACED, DisplacementError, DisplacementOrders, DisplacementWeights, GapChanges, HeldSteps, HeldVelocities,
+    Separation, SeparationLimits,
 };
 pub use mobility::work::{Seconds, Work};
 pub use mobility::{Flow, Mobility, SurfaceFarField};

@@ -50,7 +50,7 @@ impl KeptLists {
     /// Lists of displacements that move pairs apart: those of the last round that moved any, and whether there is none
     /// left to move.
     fn rounds(&self, input: &StepInput, rounds: usize, count: usize) -> (Option<DeviceList>, bool) {
-        let mut so_far: Option<DeviceList> = None;
+        let mut so_far = None;
         for _ in 0..rounds {
             let after = self.list(count);
             let pushed = succeeded(self.field.borrow_mut().push_apart(input, so_far.as_ref(), &after));

@@ -2,9 +2,11 @@
 
 mod case;
 mod displacement;
+mod moving;
 mod overlaps;
 mod random_motions;
 mod ranks;
+mod steps;
 
 use super::*;
 use crate::mobility::Mobility;
