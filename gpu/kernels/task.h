@@ -75,6 +75,8 @@ struct SurfacePair;
 struct History;
 struct Displacement;
 struct DrawnMotion;
+struct Contacts;
+struct PredictedMotion;
 
 // gpu/src/task.rs has the same fields in the same order. Lists without a type hold values of the precision of the
 // grid, sorted positions unsigned integers of the same size.
@@ -170,6 +172,9 @@ struct Task {
     // Particles that move, and random motions of the fluid at them.
     Displacement *displacement;
     const DrawnMotion *drawn;
+    // Contacts and predicted motions whose springs near pairs have, if there are any.
+    Contacts *contacts;
+    const PredictedMotion *predicted;
 
     double cutoff_square, inverse_viscosity;
     // Multiplier of the solve: square of the Gaussian's width, coefficient of k^2 in the bracket.

@@ -52,7 +52,7 @@ impl KeptLists {
     }
 
     /// A list of this many values, which are undefined.
-    fn list(&self, count: usize) -> DeviceList {
+    pub fn list(&self, count: usize) -> DeviceList {
         succeeded(self.field.borrow_mut().wide_list(count))
     }
 
