@@ -67,14 +67,16 @@ pub use conjugate_gradients::{
 pub use dipoles::{DipoleError, DipoleField, DipoleProblem, DipoleSolution, Magnetisation};
 pub use envelope::{Envelope, Quadrupole};
 pub use gpu::{
-    CloseSpheres, GUESSED, NearInput, NearKind, NearTables, PAST, PairRows, SurfaceKind, SurfaceLaws, SurfacePair,
-    WALL_NUMBERS,
+    CloseSpheres, ContactLaw, GUESSED, NearInput, NearKind, NearTables, PAST, PairRows, SurfaceKind, SurfaceLaws,
+    SurfacePair, WALL_NUMBERS,
 };
 pub use grid::stencil::Support;
 pub use lanczos::{DrawDiagnostics, LanczosLimits, square_root_times};
+pub use mobility::contacts::{ContactFarField, ContactState, TouchingParticles};
 pub use mobility::coupled::{
     ChangeLimits, ChangedSolution, CoupledFarField, CoupledProblem, CoupledResidual, CoupledSolution,
-    CoupledTolerances, GivenAmbient, GivenLoads, HeldLoads, KnownSolution, SolutionColumns,
+    CoupledTolerances, GivenAmbient, GivenLoads, HeldLoads, HeldSprings, KnownSolution, PredictedVelocities,
+    SolutionColumns,
 };
 pub use mobility::fluctuating::{FluctuatingFarField, HeldDraw, HeldMotions, LoadDraw};
 pub use mobility::loads::{Loads, Motion, Output};

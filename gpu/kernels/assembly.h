@@ -1,8 +1,10 @@
-// Near pairs within the range of lubrication, and the rows of their resistance, for the spheres where they are.
+// Near pairs within the range of lubrication or springs, and the rows of their resistance, for the spheres where they
+// are.
 #pragma once
 #include "near.h"
 #include "neighbours.h"
 #include "pair_sides.h"
+#include "springs.h"
 
 static constexpr int ASSEMBLY_THREADS = 128;
 // Loads and first moment of a sphere at rest in the rate of strain of the background.
@@ -29,16 +31,15 @@ static __device__ NearPair near_pair(const Task &task, int row, int other, int p
     pair.height = task.numbers->lowest + of_row - 0.5 * x[2];
     double scale = (pair.kind->is_larger != 0 ? 1 : -1) / pair.distance;
     for (int axis = 0; axis < 3; axis++) z[axis] = x[axis] * scale;
-    for (int a = 0; a < 3; a++) {
-        const double *turned = task.numbers->axes + 3 * a;
-        pair.axis[a] = task.is_rotated ? turned[0] * z[0] + turned[1] * z[1] + turned[2] * z[2] : z[a];
-    }
+    turn_to_space(task, z, pair.axis);
     return pair;
 }
 
+// Coefficients of the lubrication of a pair; those of a pair out of its range are zero.
 template <int SET> __device__ SphereRow side_of(const Task &task, const NearPair &pair)
 {
     double gap = pair.distance - pair.kind->sum;
+    if (gap >= pair.kind->cutoff) return SphereRow{};
     return SET == STIFF ? stiff_side(task, *pair.kind, gap) : soft_side(task, *pair.kind, gap);
 }
 
@@ -64,21 +65,22 @@ template <typename T> __device__ void find_near(const Task &task)
     int target = thread_index();
     if (target >= task.particles) return;
     int row = task.rows[target], at[2] = {0, 0};
-    bool is_listed = task.near_others[STIFF] != nullptr;
+    bool is_listed = task.near_others[STIFF] != nullptr, has_springs = task.contacts || task.predicted;
     for (int set = 0; is_listed && set < 2; set++) at[set] = task.near_starts[set][row];
     auto visit = [&](int source, const int steps[3]) {
         int other = task.rows[source], packed = packed_steps(steps);
         NearPair pair = near_pair(task, row, other, packed);
         double gap = pair.distance - pair.kind->sum;
-        if (pair.distance == 0 || gap >= pair.kind->cutoff) return;
-        int set = gap < pair.kind->stiff_gap || is_given(task, row, other) ? STIFF : SOFT;
+        bool is_sprung = has_springs && springs_between(task, row, other, packed, pair.distance).along > 0;
+        if (pair.distance == 0 || (gap >= pair.kind->cutoff && !is_sprung)) return;
+        int set = is_sprung || gap < pair.kind->stiff_gap || is_given(task, row, other) ? STIFF : SOFT;
         if (is_listed) {
             task.near_others[set][at[set]] = other;
             task.near_steps[set][at[set]] = packed;
         }
         at[set]++;
     };
-    if (task.near_kinds) visit_around<T>(task, target, task.near_reach, visit);
+    if (task.near_series || has_springs) visit_around<T>(task, target, task.near_reach, visit);
     if (is_listed) return;
     task.near_starts[STIFF][row] = at[STIFF] + given_pairs(task, row);
     task.near_starts[SOFT][row] = at[SOFT];
@@ -157,8 +159,11 @@ template <typename S, int SET> __device__ void assemble(const Task &task)
     int given = is_there && SET == STIFF ? given_pairs(task, row) : 0;
     int end = is_there ? task.near_starts[SET][row + 1] - given : 0;
     for (int entry = is_there ? task.near_starts[SET][row] + lane : 0; entry < end; entry += ROW_LANES) {
-        NearPair pair = near_pair(task, row, task.near_others[SET][entry], task.near_steps[SET][entry]);
+        int other = task.near_others[SET][entry], packed = task.near_steps[SET][entry];
+        NearPair pair = near_pair(task, row, other, packed);
         SphereRow side = side_of<SET>(task, pair);
+        if (SET == STIFF && (task.contacts || task.predicted))
+            add_springs(*pair.kind, springs_between(task, row, other, packed, pair.distance), pair.distance, side);
         store_pair<S, SET>(task, entry, pair.axis, side);
         add_to_own(side, pair.axis, sums);
         add_in_flow(task, side, pair, sums + OWN_NUMBERS);

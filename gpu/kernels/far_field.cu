@@ -4,6 +4,7 @@
 #endif
 #include "assembly.h"
 #include "channel.h"
+#include "contacts.h"
 #include "coupled.h"
 #include "displace.h"
 #include "drawn.h"
@@ -60,6 +61,7 @@
     KERNEL(row_loads_##suffix, row_loads<T>)              \
     KERNEL(turn_pairs_##suffix, turn_rows<T>)             \
     KERNEL(find_near_##suffix, find_near<T>)              \
+    KERNEL(find_contacts_##suffix, find_contacts<T>)      \
     KERNEL(assemble_soft_##suffix, assemble<T, SOFT>)     \
     KERNEL(surface_forces_##suffix, surface_forces<T>)    \
     KERNEL(random_loads_##suffix, random_loads<T>)        \
@@ -109,5 +111,7 @@ KERNEL(place_all, place_particles)
 KERNEL(combine_all, combine_columns)
 KERNEL(displacement_error_2, measure_displacements<2>)
 KERNEL(displacement_error_4, measure_displacements<4>)
+KERNEL(load_contacts, contact_loads)
+KERNEL(end_contacts_all, end_contacts)
 KERNELS(float, f32)
 KERNELS(double, f64)

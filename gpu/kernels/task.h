@@ -76,6 +76,8 @@ struct History;
 struct Displacement;
 struct DrawnMotion;
 struct StepMotion;
+struct Contacts;
+struct PredictedMotion;
 
 // gpu/src/task.rs has the same fields in the same order. Lists without a type hold values of the precision of the
 // grid, sorted positions unsigned integers of the same size.
@@ -172,6 +174,9 @@ struct Task {
     Displacement *displacement;
     const DrawnMotion *drawn;
     const StepMotion *step;
+    // Contacts and predicted motions whose springs near pairs have, if there are any.
+    Contacts *contacts;
+    const PredictedMotion *predicted;
 
     double cutoff_square, inverse_viscosity;
     // Multiplier of the solve: square of the Gaussian's width, coefficient of k^2 in the bracket.

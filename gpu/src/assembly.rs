@@ -6,6 +6,7 @@ use crate::groups::ROUNDS;
 use crate::lists::DeviceList;
 use crate::numbers::KernelNumbers;
 use crate::pair_rows::{IN_FLOW, OWN_NUMBERS, PAIR_NUMBERS, PairRows, ROW_LANES, WALL_NUMBERS};
+use crate::predicted::PredictedMotion;
 use crate::repeated::CommandList;
 use crate::surface_laws::SurfaceLaws;
 use crate::tables::NumberFormat;
@@ -25,6 +26,10 @@ pub struct NearInput<'a> {
     pub given: Option<&'a PairRows>,
     /// Forces between surfaces that are added to the loads, if there are any.
     pub surface: Option<&'a SurfaceLaws>,
+    /// Whether pairs have the springs of the contacts that were found last, which are there still.
+    pub are_touching: bool,
+    /// Predicted motions, for which implicit forces between surfaces are taken, if there are any.
+    pub predicted: Option<PredictedMotion>,
 }
 
 impl SplitFarField {
@@ -35,7 +40,7 @@ impl SplitFarField {
     /// # Panics
     /// Without [`Self::set_near_tables`].
     pub fn assemble_near(&mut self, input: &NearInput) -> Result<[usize; 2], DeviceError> {
-        let reach = self.near.reach.expect("the tables of near pairs are on the device");
+        let reach = self.take_springs(input)?;
         self.task.near_reach = self.bins_within(reach);
         self.take_given(input.given)?;
         let pairs = self.count_near()?;
@@ -56,6 +61,23 @@ impl SplitFarField {
     /// its first moment: [`IN_FLOW`] numbers each.
     pub fn near_in_flow(&mut self) -> Result<Vec<f64>, DeviceError> {
         self.download(self.task.in_flow, IN_FLOW * self.task.particles as usize, NumberFormat::Double)
+    }
+
+    /// Takes the springs of an assembly. Returns the distance within which near pairs are.
+    fn take_springs(&mut self, input: &NearInput) -> Result<f64, DeviceError> {
+        let mut reach = self.near.reach.expect("the tables of near pairs are on the device");
+        (self.task.contacts, self.task.predicted) = (0, 0);
+        if input.are_touching {
+            self.task.contacts = self.buffers.contacts.address();
+            reach = reach.max(self.near.reach_of_contacts);
+        }
+        if let Some(predicted) = &input.predicted {
+            self.task.predicted = self.place_predicted(predicted, input.surface)?;
+            reach = reach.max(input.surface.map_or(0.0, SurfaceLaws::implicit_reach));
+        }
+        let has_springs = self.task.contacts != 0 || self.task.predicted != 0;
+        assert!(!has_springs || self.task.near_kinds != 0, "the tables have the pairs of classes of springs");
+        Ok(reach)
     }
 
     /// Copies the rows that the host gives.

@@ -65,6 +65,11 @@ impl KnownBuffer {
         Ok(address)
     }
 
+    /// Address of the values; 0 if there are none.
+    pub fn address(&self) -> DeviceAddress {
+        self.buffer.address()
+    }
+
     /// Forgets the values, which the device has changed.
     pub fn forget(&mut self) {
         self.bytes.clear();

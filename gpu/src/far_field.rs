@@ -1,6 +1,7 @@
 //! Particles, tables and lists of the split method on a device.
 
 use crate::buffers::{Buffer, KnownBuffer};
+use crate::contacts::ContactBuffers;
 use crate::device::{Device, DeviceError, DeviceInfo, KernelLaunch};
 use crate::krylov_state::KrylovBuffers;
 use crate::lists::DeviceList;
@@ -118,6 +119,9 @@ pub(crate) struct Buffers {
     /// Arguments of a displacement, and of random motions.
     pub(crate) displacement: KnownBuffer,
     pub(crate) drawn: KnownBuffer,
+    pub(crate) contacts: ContactBuffers,
+    /// Predicted motions.
+    pub(crate) predicted: KnownBuffer,
     /// Limits of overlaps, and sums.
     pub(crate) overlap_limits: KnownBuffer,
     pub(crate) overlaps: Buffer,

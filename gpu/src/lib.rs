@@ -9,6 +9,7 @@ mod arrangement;
 mod assembly;
 mod buffers;
 mod change;
+mod contacts;
 mod copies;
 mod counted;
 mod coupled;
@@ -33,6 +34,7 @@ mod numbers;
 mod overlaps;
 mod pair_noise;
 mod pair_rows;
+mod predicted;
 mod present;
 mod repeated;
 mod replay;
@@ -47,6 +49,7 @@ mod task;
 mod vectors;
 
 pub use assembly::NearInput;
+pub use contacts::{CONTACT_NUMBERS, ContactInput, ContactLaw, ContactLoads, contact_bytes};
 pub use counted::{Counted, DeviceCounts, SharedCounts};
 pub use coupled::{
     CoupledDirection, CoupledSums, CoupledVectors, KnownInput, LoadFactors, RESIDUALS, StartInput, UNKNOWNS,
@@ -71,6 +74,7 @@ pub use near_tables::{NearKind, NearTables};
 pub use overlaps::{CloseSpheres, OverlapLimits};
 pub use pair_noise::{PairDraw, PeriodicPlaces};
 pub use pair_rows::{IN_FLOW, OWN_NUMBERS, PAIR_NUMBERS, PairRows, PairSet, WALL_NUMBERS};
+pub use predicted::PredictedMotion;
 pub use share::{GridShare, Peers, StencilSums};
 pub use steps::{STEP_COLUMNS, StepInput, StepMeasures};
 pub use strain::{StrainSums, StrainVectors};

@@ -36,10 +36,10 @@ pub struct NearKind {
 /// Tables of all pairs of classes of radius.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct NearTables {
-    /// All ordered pairs of classes, those of the first class first; empty without lubrication.
+    /// All ordered pairs of classes, those of the first class first; empty without lubrication and springs.
     pub kinds: Vec<NearKind>,
     /// Power series of pieces of gaps. A piece has the mean of its gaps, then the coefficients of each power of some
-    /// functions.
+    /// functions. Empty without lubrication: then no gap is within its cutoff.
     pub series: Vec<f64>,
     /// Distance of centres up to which pairs are lubricated.
     pub reach: f64,
@@ -56,6 +56,8 @@ impl SplitFarField {
         let (on, places) = (device.as_mut(), &mut buffers.near.tables);
         if !tables.kinds.is_empty() {
             task.near_kinds = places.kinds.fill(on, bytemuck::cast_slice(&tables.kinds))?;
+        }
+        if !tables.series.is_empty() {
             task.near_series = places.series.fill(on, bytemuck::cast_slice(&tables.series))?;
         }
         task.resistances = places.resistances.fill(on, bytemuck::cast_slice(tables.resistances.as_flattened()))?;

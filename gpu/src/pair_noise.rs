@@ -56,7 +56,7 @@ impl SplitFarField {
 
     /// Whether there are tables of near pairs that are lubricated.
     pub fn has_lubrication(&self) -> bool {
-        self.task.near_kinds != 0
+        self.task.near_series != 0
     }
 
     /// Place of the steps of the particles across the faces of the box. Positions on the device leave out whole periods

@@ -60,6 +60,8 @@ pub enum PairSet {
 pub(crate) struct NearRows {
     /// The distance up to which pairs are lubricated if their tables are there.
     pub reach: Option<f64>,
+    /// The distance up to which the contacts touch that were found last.
+    pub reach_of_contacts: f64,
     /// Steps that each list of commands takes of an iteration, besides the first ones.
     pub more_steps: [usize; COMMAND_LISTS],
 }

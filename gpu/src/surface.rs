@@ -34,7 +34,7 @@ impl SplitFarField {
     }
 
     /// Copies laws to the device, unless they are there.
-    fn copy_laws(&mut self, laws: &SurfaceLaws) -> Result<(), DeviceError> {
+    pub(crate) fn copy_laws(&mut self, laws: &SurfaceLaws) -> Result<(), DeviceError> {
         if self.surface_laws.as_ref() != Some(laws) {
             let Self { device, buffers, task, .. } = self;
             task.surface_laws = buffers.surface_laws.fill(device.as_mut(), bytemuck::cast_slice(&laws.of_pairs))?;

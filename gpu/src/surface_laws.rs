@@ -25,6 +25,7 @@ impl SurfaceKind {
 #[repr(C)]
 pub struct SurfacePair {
     kind: i64,
+    is_implicit: i64,
     pub(crate) reach: f64,
     contact: f64,
     numbers: [f64; 3],
@@ -33,7 +34,7 @@ pub struct SurfacePair {
 impl SurfacePair {
     /// Size of the force in contact.
     fn at_contact(&self) -> f64 {
-        let &Self { kind, reach, contact: r, numbers: [a, b, c] } = self;
+        let &Self { kind, reach, contact: r, numbers: [a, b, c], .. } = self;
         let force = match SurfaceKind::ALL[kind as usize] {
             SurfaceKind::Barrier => a * ((reach * reach - r * r) / b).powi(2) * r,
             SurfaceKind::Screened => a,
@@ -46,7 +47,18 @@ impl SurfacePair {
     /// The law of a kind with its numbers, for distances of the centres `reach` where it ends and `contact` without a
     /// gap.
     pub fn new(kind: SurfaceKind, [reach, contact]: [f64; 2], numbers: [f64; 3]) -> Self {
-        Self { kind: kind as i64, reach, contact, numbers }
+        Self { kind: kind as i64, is_implicit: 0, reach, contact, numbers }
+    }
+
+    /// The same, of which predictions take the force at their end or not; a repulsion that screens or a barrier.
+    #[must_use]
+    pub fn implicit(self, is_implicit: bool) -> Self {
+        Self { is_implicit: i64::from(is_implicit), ..self }
+    }
+
+    /// Whether predictions take the force at their end.
+    pub(crate) fn is_implicit(&self) -> bool {
+        self.is_implicit != 0
     }
 }
 
@@ -63,5 +75,10 @@ impl SurfaceLaws {
     /// Size of the largest force between spheres in contact.
     pub fn largest(&self) -> f64 {
         self.of_pairs.iter().map(SurfacePair::at_contact).fold(0.0, f64::max)
+    }
+
+    /// Distance of the centres up to which implicit forces act; 0 without any.
+    pub(crate) fn implicit_reach(&self) -> f64 {
+        self.of_pairs.iter().filter(|law| law.is_implicit()).map(|law| law.reach).fold(0.0, f64::max)
     }
 }

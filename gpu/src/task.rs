@@ -94,6 +94,8 @@ pub struct KernelTask {
     pub(crate) displacement: DeviceAddress,
     pub(crate) drawn: DeviceAddress,
     pub(crate) step: DeviceAddress,
+    pub(crate) contacts: DeviceAddress,
+    pub(crate) predicted: DeviceAddress,
     pub(crate) cutoff_square: f64,
     pub(crate) inverse_viscosity: f64,
     pub(crate) gaussian: f64,

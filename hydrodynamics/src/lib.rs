@@ -26,6 +26,7 @@ pub use coupled_solver::{CoupledSolver, HeldContacts, ShortRange, TooManyContact
 pub use mobility::memory::SingleEvaluation;
 pub use mobility::overlaps::Overlaps;
 pub use mobility::{Drift, Mobility, MobilityError, MobilityParameters, Motions};
+pub use pairs::surface_laws::TakenForce;
 pub use solution::{
     Guess, HeldFluctuations, HeldForces, HeldPrediction, KeptSolution, NO_AMBIENT, Solution, SolveInput, StoredSolution,
 };

@@ -14,8 +14,8 @@ use std::rc::Rc;
 pub trait CoupledFarField {
     /// Finds the near pairs of the arranged particles and assembles their resistance, by tables that are made once.
     /// All numbers are in the units of the far field, except for a force. Returns the numbers of stiff and of soft
-    /// pairs, each counted for both of its particles.
-    fn assemble(&mut self, tables: &dyn Fn() -> NearTables, input: &NearInput) -> [usize; 2];
+    /// pairs, each counted for both of its particles. Particles that move there may have springs.
+    fn assemble(&mut self, tables: &dyn Fn() -> NearTables, input: &NearInput, springs: &HeldSprings) -> [usize; 2];
 
     /// Load of each particle on the fluid by these pairs at rest in the background, and its first moment: six and five
     /// numbers.
@@ -49,6 +49,30 @@ pub trait CoupledFarField {
 
     /// Measures of displacements in that memory.
     fn steps(&self) -> Rc<dyn HeldSteps>;
+}
+
+/// Implicit springs of near pairs of particles that move where the far field is evaluated.
+#[derive(Clone, Copy, Default)]
+pub struct HeldSprings<'a> {
+    /// Whether the contacts that [`ContactFarField::loads`] found last have springs.
+    ///
+    /// [`ContactFarField::loads`]: crate::ContactFarField::loads
+    pub are_touching: bool,
+    /// Motions for which implicit forces between surfaces are predicted.
+    pub predicted: Option<PredictedVelocities<'a>>,
+}
+
+/// Predicted velocities of particles that move where the far field is evaluated.
+#[derive(Clone, Copy)]
+pub struct PredictedVelocities<'a> {
+    /// Velocities with that of the background flow, in the order of ids and in the original units.
+    pub velocities: &'a RemoteList,
+    /// The background flow in these units.
+    pub flow: &'a BackgroundFlow,
+    /// Time over which they are predicted.
+    pub time: f64,
+    /// Units of the laws of forces and of the resistances.
+    pub units: Units,
 }
 
 /// Relative errors, in the norms of the resistances of single spheres.

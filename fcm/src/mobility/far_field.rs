@@ -6,6 +6,7 @@ mod grid;
 
 use crate::conjugate_gradients::{IterationOutcome, Limits};
 use crate::lanczos::DrawDiagnostics;
+use crate::mobility::contacts::ContactFarField;
 use crate::mobility::coupled::CoupledFarField;
 use crate::mobility::fluctuating::FluctuatingFarField;
 use crate::mobility::loads::{Loads, Motion, Output};
@@ -66,6 +67,11 @@ pub(crate) trait FarField {
 
     /// The back end itself, if it moves particles and draws random motions and loads for them.
     fn fluctuating(&mut self) -> Option<&mut dyn FluctuatingFarField> {
+        None
+    }
+
+    /// The back end itself, if it moves particles and has their contacts.
+    fn contacts(&mut self) -> Option<&mut dyn ContactFarField> {
         None
     }
 

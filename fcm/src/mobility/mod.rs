@@ -1,5 +1,6 @@
 //! Mobility: the linear map from loads to motions.
 
+pub(crate) mod contacts;
 pub(crate) mod coupled;
 mod far_field;
 pub(crate) mod fluctuating;
@@ -13,6 +14,7 @@ pub(crate) mod stepping;
 pub(crate) mod work;
 
 use crate::lanczos::DrawDiagnostics;
+use crate::mobility::contacts::ContactFarField;
 use crate::mobility::coupled::CoupledFarField;
 use crate::mobility::fluctuating::FluctuatingFarField;
 use crate::plan::Plan;
@@ -139,6 +141,11 @@ impl Mobility {
     /// The far field, if it moves particles and draws random motions and loads for them.
     pub fn fluctuating(&mut self) -> Option<&mut dyn FluctuatingFarField> {
         self.far.fluctuating()
+    }
+
+    /// The far field, if it moves particles and has their contacts.
+    pub fn contacts(&mut self) -> Option<&mut dyn ContactFarField> {
+        self.far.contacts()
     }
 
     /// The far field, if it adds up forces between surfaces.

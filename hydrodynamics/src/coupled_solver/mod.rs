@@ -211,8 +211,9 @@ impl CoupledSolver {
                     particles: &own,
                     strain_rate,
                 };
-                let SolveInput { keeps_columns, moving_in, fluctuations, .. } = acting;
-                let held = self.held_loads.as_ref().filter(|_| moving_in.is_some());
+                let SolveInput { keeps_columns, moving_in, fluctuations, held_forces, .. } = acting;
+                let of_contacts = held_forces.and_then(|forces| forces.contacts.as_ref());
+                let held = of_contacts.or(self.held_loads.as_ref()).filter(|_| moving_in.is_some());
                 let case = SolveCase { loads, held, fluctuations, ambient, guess, keeps_columns, moving_in };
                 let solved = solve.run(Scaled { mobility, units }, case)?;
                 return Ok(self.with_flux(solved, flux.as_ref()));

@@ -2,13 +2,14 @@
 
 use crate::ambient::StrainRate;
 use crate::coupled_solver::{CoupledSolver, in_units};
+use crate::pairs::device_tables;
 use crate::pairs::search::{Connections, NearField, NearPairs};
-use crate::solution::SolveInput;
+use crate::solution::{HeldForces, HeldPrediction, SolveInput};
 use crate::springs::Springs;
 use crate::system::SingleSpheres;
 use crate::units;
-use domain::{Boundaries, DomainView, Particles, PeriodicBox, RemoteHolder, Traceless};
-use fcm::{HeldSteps, Loads, NearInput, NearTables};
+use domain::{Boundaries, DomainView, Particles, PeriodicBox, RemoteHolder, Traceless, Units};
+use fcm::{HeldSprings, HeldSteps, Loads, NearInput, NearTables, PredictedVelocities};
 use std::rc::Rc;
 
 impl CoupledSolver {
@@ -71,11 +72,12 @@ impl CoupledSolver {
         let given = near.has_rows().then(|| near.rows());
         let surface = self.surface_laws.as_ref().filter(|_| acting.surface_forces);
         let StrainRate { at_zero: Traceless(background), slope } = acting.strain_rate;
-        let input = NearInput { background, slope, given: given.as_ref(), surface };
+        let input = NearInput { background, slope, given: given.as_ref(), surface, ..NearInput::default() };
         let mobility = self.far.mobility();
         mobility.follow(cell, particles);
         if let Some(far) = mobility.coupled() {
-            near.note_found(far.assemble(&tables, &input).iter().sum());
+            let springs = held_springs(acting, self.units);
+            near.note_found(far.assemble(&tables, &input, &springs).iter().sum());
         }
         near
     }
@@ -103,14 +105,28 @@ impl CoupledSolver {
     }
 }
 
-/// Tables of the lubrication of a near field between spheres of some radii, if it has lubrication, and their single
-/// resistances.
+/// Tables of the near field between spheres of some radii, if there is one, and their single resistances.
 pub(super) fn near_tables(near: Option<&NearField>, viscosity: f64, radii: &[f64]) -> NearTables {
     let SingleSpheres { motion, strain } = SingleSpheres::new(viscosity, radii);
     let alone = motion.iter().zip(&strain).map(|(motion, &strain)| [motion.0[0], motion.0[3], strain]);
     let resistances = alone.collect();
-    match near.and_then(|near| near.lubrication.as_ref()) {
-        Some(lubrication) => lubrication.tables(viscosity, resistances),
+    match near {
+        Some(NearField { lubrication: Some(lubrication), .. }) => lubrication.tables(viscosity, resistances),
+        Some(_) => device_tables::without_lubrication(radii, resistances),
         None => NearTables { resistances, ..NearTables::default() },
     }
+}
+
+/// Implicit springs of a solve for particles that move where the far field is evaluated: those of contacts and surfaces
+/// if there is a prediction.
+fn held_springs<'a>(acting: &SolveInput<'a>, units: Units) -> HeldSprings<'a> {
+    let (Some(forces), Some(flow)) = (acting.held_forces, acting.moving_in) else { return HeldSprings::default() };
+    let HeldForces { prediction, contacts } = forces;
+    let predicted = prediction.as_ref().map(|&HeldPrediction { time, ref velocities }| PredictedVelocities {
+        velocities,
+        flow,
+        time,
+        units,
+    });
+    HeldSprings { are_touching: prediction.is_some() && contacts.is_some(), predicted }
 }

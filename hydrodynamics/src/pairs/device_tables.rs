@@ -4,6 +4,22 @@ use crate::pairs::lubrication::PairLubrication;
 use fcm::{NearKind, NearTables};
 use lubrication::GapSeries;
 
+/// Tables of pairs that are not lubricated, for springs, between spheres of some radii.
+pub fn without_lubrication(radii: &[f64], resistances: Vec<[f64; 3]>) -> NearTables {
+    let pairs = radii.iter().flat_map(|&own| radii.iter().map(move |&other| [own, other]));
+    let kind = |[own, other]: [f64; 2]| NearKind {
+        sum: own + other,
+        small: own.min(other),
+        is_larger: f64::from(u8::from(own > other)),
+        ratio: own.max(other) / own.min(other),
+        // Below all gaps, of overlapping spheres too.
+        cutoff: -2.0 * (own + other),
+        stiff_gap: -2.0 * (own + other),
+        ..bytemuck::Zeroable::zeroed()
+    };
+    NearTables { kinds: pairs.map(kind).collect(), resistances, ..NearTables::default() }
+}
+
 impl PairLubrication {
     /// Tables for species whose resistances to translation, rotation and strain are given.
     pub fn tables(&self, viscosity: f64, resistances: Vec<[f64; 3]>) -> NearTables {

@@ -4,19 +4,28 @@ use fcm::{SurfaceKind, SurfaceLaws, SurfacePair};
 use lubrication::{PairKind, SurfaceForce};
 use std::f64::consts::PI;
 
+/// Force between surfaces that a solver takes over.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TakenForce {
+    /// Its law.
+    pub force: SurfaceForce,
+    /// Whether solves with a prediction take it at the end of its time.
+    pub is_implicit: bool,
+}
+
 /// Laws of some forces between spheres of all pairs of radii, for distances in another unit of length. The unit of
 /// force is unchanged.
-pub fn laws(forces: &[SurfaceForce], radii: &[f64], length: f64) -> SurfaceLaws {
+pub fn laws(forces: &[TakenForce], radii: &[f64], length: f64) -> SurfaceLaws {
     let pairs = radii.iter().flat_map(|&own| radii.iter().map(move |&other| [own, other]));
     let of_pair = |pair: [f64; 2]| forces.iter().map(move |force| law(force, pair, length));
     SurfaceLaws { count: forces.len(), of_pairs: pairs.flat_map(of_pair).collect() }
 }
 
-fn law(force: &SurfaceForce, radii: [f64; 2], length: f64) -> SurfacePair {
+fn law(&TakenForce { force, is_implicit }: &TakenForce, radii: [f64; 2], length: f64) -> SurfacePair {
     let between = PairKind::Spheres(radii);
     let [reach, contact] = [force.reach(between), between.contact()].map(|distance| distance / length);
     let (mean, harmonic) = (between.mean_radius() / length, between.harmonic_radius());
-    let (kind, numbers) = match *force {
+    let (kind, numbers) = match force {
         SurfaceForce::Barrier(barrier) => {
             (SurfaceKind::Barrier, [barrier.strength(between) / contact, reach * reach - contact * contact, 0.0])
         }
@@ -32,5 +41,5 @@ fn law(force: &SurfaceForce, radii: [f64; 2], length: f64) -> SurfacePair {
             (SurfaceKind::Depletion, [pressure * PI * length * length, own, other])
         }
     };
-    SurfacePair::new(kind, [reach, contact], numbers)
+    SurfacePair::new(kind, [reach, contact], numbers).implicit(is_implicit)
 }

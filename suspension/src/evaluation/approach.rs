@@ -1,13 +1,13 @@
 //! Relative motion of near pairs, here or where the particles move.
 
 use super::Dynamics;
-use crate::evaluation::gap_control::{Change, RelativeMotion, WATCHED};
+use crate::evaluation::gap_control::{Change, MOST_ROUNDS, RelativeMotion, SLACK, WATCHED};
 use crate::evaluation::orders::ErrorEstimate;
 use crate::flow::deformation::Deformation;
 use domain::{Comm, Particles, RemoteList, Vector};
 use fcm::{
     DISPLACED, DisplacementError, DisplacementOrders, DisplacementWeights, GapChanges, HeldSteps, HeldVelocities,
-    Separation,
+    Separation, SeparationLimits,
 };
 use solver::BackgroundFlow;
 use std::rc::Rc;
@@ -74,7 +74,8 @@ impl<const N: usize> Approach<N> {
         match self {
             Self::Here(motion) => motion.apart(weights, closest, comm).map(Separated::Here),
             Self::Held(held) => {
-                match held.steps.moved_apart(&held.velocities(), &padded(weights), closest, held.reach) {
+                let limits = SeparationLimits { closest, slack: SLACK, rounds: MOST_ROUNDS, reach: held.reach };
+                match held.steps.moved_apart(&held.velocities(), &padded(weights), &limits) {
                     Separation::Apart => Some(Separated::Apart),
                     Separation::By(displacements) => Some(Separated::Held(displacements)),
                     Separation::Fails => None,

@@ -14,7 +14,10 @@ impl Dynamics {
             return;
         }
         if *is_implicit {
-            hydrodynamics.take_surface_forces(&forces.between_surfaces());
+            let taken = forces.between_surfaces();
+            if !taken.is_empty() {
+                hydrodynamics.take_surface_forces(&taken);
+            }
         } else if !*needs_pairs {
             forces.leave_surfaces(*largest_radius, |laws| hydrodynamics.take_surface_forces(laws));
         }

@@ -14,7 +14,8 @@ use crate::model::radii::Radii;
 use crate::neighbourhood::{NeighbourLists, PairsWithHalo};
 use domain::{Bytes, Comm, DomainView, ExpectedCounts, Particles, Partition, Tensor};
 use fcm::{Loads, PlanError, Problem};
-use lubrication::{BarrierError, SurfaceForce};
+use hydrodynamics::TakenForce;
+use lubrication::BarrierError;
 use std::rc::Rc;
 
 /// Column that marks particles whose velocities include a registered force, by its name.
@@ -109,7 +110,7 @@ impl Forces {
     }
 
     /// Leaves the forces of pairs between surfaces to the solver, if there are any and `solver_takes` them.
-    pub fn leave_surfaces(&mut self, largest_radius: f64, solver_takes: impl FnOnce(&[SurfaceForce]) -> bool) {
+    pub fn leave_surfaces(&mut self, largest_radius: f64, solver_takes: impl FnOnce(&[TakenForce]) -> bool) {
         let forces = self.surface.between_spheres();
         if !forces.is_empty() && solver_takes(&forces) {
             self.surface.leave_to_solver();
@@ -118,7 +119,7 @@ impl Forces {
     }
 
     /// Forces between surfaces, as the solver takes them.
-    pub fn between_surfaces(&self) -> Vec<SurfaceForce> {
+    pub fn between_surfaces(&self) -> Vec<TakenForce> {
         self.surface.between_spheres()
     }
 

@@ -3,6 +3,7 @@
 use super::pairwise::{PairLaw, PairwiseForce};
 use crate::model::{Attraction, Model, Repulsion};
 use domain::Vector;
+use hydrodynamics::TakenForce;
 use lubrication::{Barrier, BarrierError, PairKind, SurfaceForce};
 
 /// Repulsion or attraction, which are added pair by pair.
@@ -49,8 +50,8 @@ impl SurfaceForces {
     }
 
     /// Repulsion and attraction as the solver takes them.
-    pub fn between_spheres(&self) -> Vec<SurfaceForce> {
-        self.laws().iter().map(|law| law.force).collect()
+    pub fn between_spheres(&self) -> Vec<TakenForce> {
+        self.laws().iter().map(|law| TakenForce { force: law.force, is_implicit: law.is_implicit() }).collect()
     }
 
     /// Gap over the mean radius up to which spheres of a model repel each other; 0 without repulsion.

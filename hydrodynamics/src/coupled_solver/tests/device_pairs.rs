@@ -4,7 +4,7 @@ use super::on_device::{Suspension, emulator, relative};
 use super::*;
 use crate::pairs::lubrication::PairLubrication;
 use domain::Tensor;
-use fcm::{NearInput, PairRows};
+use fcm::{HeldSprings, NearInput, PairRows};
 use gpu::Counted;
 
 /// Lubrication of a solver.
@@ -59,7 +59,8 @@ fn pairs_are_those_of_all_images() {
     let mobility = solver.far.mobility();
     mobility.follow(&suspension.cell, &suspension.particles);
     let far = mobility.coupled().unwrap();
-    let mut found = |given| far.assemble(&|| tables.clone(), &NearInput { given, ..NearInput::default() });
+    let mut found =
+        |given| far.assemble(&|| tables.clone(), &NearInput { given, ..NearInput::default() }, &HeldSprings::default());
     let [stiff, soft] = found(None);
     assert_eq!([stiff, soft], expected.map(|count| count as usize));
     assert_eq!(found(Some(&given)), [stiff + moved + 2, soft - moved]);

@@ -3,6 +3,7 @@
 use super::device_pairs::tilted;
 use super::on_device::{Suspension, columns, emulator, relative};
 use super::*;
+use crate::pairs::surface_laws::TakenForce;
 use domain::Boundaries;
 use fcm::{Mobility, StressletSolver};
 use gpu::{Counted, Device, DeviceCounts};
@@ -19,6 +20,11 @@ fn forces() -> [SurfaceForce; 6] {
         SurfaceForce::VanDerWaals { hamaker: 0.6, closest: 0.01, range: 0.5 },
         SurfaceForce::Depletion { pressure: 2.0, thickness: 0.4 },
     ]
+}
+
+/// Explicit forces.
+fn taken(forces: &[SurfaceForce]) -> Vec<TakenForce> {
+    forces.iter().map(|&force| TakenForce { force, is_implicit: false }).collect()
 }
 
 impl Suspension {
@@ -80,7 +86,7 @@ fn forces_are_those_of_all_images() {
         let suspension = Suspension::within(shape, precision, 1e-2).pressed();
         let mut solver = suspension.on(emulator(3));
         for forces in all.chunks(1).chain([&all[..]]) {
-            assert!(solver.take_surface_forces(forces));
+            assert!(solver.take_surface_forces(&taken(forces)));
             let (none, Suspension { cell, particles, .. }) = (Loads::default(), &suspension);
             let input = SolveInput { surface_forces: true, ..acting(&none, Traceless::ZERO) };
             let found = solver.with_surface_forces(cell, particles, &input).unwrap().forces;
@@ -112,7 +118,7 @@ fn solutions_have_the_forces_of_the_host() {
         } else {
             [Some(emulator(4)), None].map(|device| suspension.without_lubrication(device))
         };
-        assert!(on_card.take_surface_forces(forces) && !on_host.take_surface_forces(forces));
+        assert!(on_card.take_surface_forces(&taken(forces)) && !on_host.take_surface_forces(&taken(forces)));
         let input = SolveInput { surface_forces: true, ..acting(&weights, strain) };
         let found = on_card.solve(cell, particles, &input, Guess::default()).unwrap();
         let exact = on_host.solve(cell, particles, &acting(&total, strain), Guess::default()).unwrap();
@@ -136,7 +142,7 @@ fn spheres_without_near_pairs_have_forces() {
     let near = ShortRange { lubrication: Some(LubricationRange::new(0.2, 1e-4).unwrap()), springs: None };
     let far = StressletSolver::of(Mobility::on(emulator(2), &suspension.plan, &suspension.partition()), &Comm::alone());
     let mut solver = CoupledSolver::of(far, &suspension.partition(), near).unwrap();
-    assert!(solver.take_surface_forces(forces));
+    assert!(solver.take_surface_forces(&taken(forces)));
     let none = Loads::default();
     let input = SolveInput { surface_forces: true, ..acting(&none, Traceless::ZERO) };
     let found = solver.solve(&suspension.cell, &suspension.particles, &input, Guess::default()).unwrap();
@@ -151,7 +157,7 @@ fn forces_are_not_copied() {
     let mut suspension = Suspension::within(sheared, Precision::Single, 1e-2);
     let (device, counts) = Counted::new(emulator(5));
     let mut solver = suspension.on(Box::new(device));
-    assert!(solver.take_surface_forces(&forces()[..2]));
+    assert!(solver.take_surface_forces(&taken(&forces()[..2])));
     let none = Loads::default();
     let mut counted = |surface_forces| {
         suspension.particles.positions[0].x += 1e-9;

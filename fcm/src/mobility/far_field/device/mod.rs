@@ -7,6 +7,7 @@
 //! host, by the same plan.
 
 mod arrangement;
+mod contacts;
 mod coupled;
 mod fluctuating;
 mod images;
@@ -21,8 +22,10 @@ mod tests;
 mod vectors;
 
 use crate::lanczos::DrawDiagnostics;
+use crate::mobility::contacts::ContactFarField;
 use crate::mobility::coupled::{
-    ChangeLimits, ChangedSolution, CoupledFarField, CoupledProblem, CoupledResidual, CoupledSolution, KnownSolution,
+    ChangeLimits, ChangedSolution, CoupledFarField, CoupledProblem, CoupledResidual, CoupledSolution, HeldSprings,
+    KnownSolution,
 };
 use crate::mobility::far_field::grid::GridFarField;
 use crate::mobility::far_field::{FarField, FlowAtPoints, RigidFarField, RigidProblem, RigidSolution, SurfaceFarField};
@@ -236,6 +239,10 @@ impl FarField for DeviceFarField {
         self.alone().map(|own| own as &mut dyn FluctuatingFarField)
     }
 
+    fn contacts(&mut self) -> Option<&mut dyn ContactFarField> {
+        self.alone().map(|own| own as &mut dyn ContactFarField)
+    }
+
     fn apply_with_quadrupoles(&mut self, loads: &Loads, quadrupoles: &[Vector]) -> Motion {
         self.host().apply_with_quadrupoles(loads, quadrupoles)
     }
@@ -286,10 +293,12 @@ impl SurfaceFarField for DeviceFarField {
 }
 
 impl CoupledFarField for DeviceFarField {
-    fn assemble(&mut self, tables: &dyn Fn() -> NearTables, input: &NearInput) -> [usize; 2] {
+    fn assemble(&mut self, tables: &dyn Fn() -> NearTables, input: &NearInput, springs: &HeldSprings) -> [usize; 2] {
         self.copy_near_tables(tables);
         self.largest_surface_force = input.surface.map_or(0.0, SurfaceLaws::largest);
-        succeeded(self.split.borrow_mut().assemble_near(input))
+        let predicted = springs.predicted.as_ref().map(|predicted| self.predicted(predicted));
+        let input = NearInput { are_touching: springs.are_touching, predicted, ..*input };
+        succeeded(self.split.borrow_mut().assemble_near(&input))
     }
 
     fn random_loads(&mut self, tables: &dyn Fn() -> NearTables, particles: &Particles, seed: u64) -> Vec<f64> {
