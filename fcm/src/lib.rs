@@ -94,7 +94,7 @@ pub use mobility::{Flow, Mobility, SurfaceFarField};
 pub use plan::accuracy;
 pub use plan::bounded::{NEAREST_WALL, OutsideError, check_inside};
 pub use plan::costs::Costs;
-pub use plan::device::{CardMemory, CardRanks, ComputeDevice, NearPairCounts};
+pub use plan::device::{CardMemory, CardRanks, CardSteps, ComputeDevice, NearPairCounts};
 pub use plan::method::{Method, Split};
 pub use plan::network::{Network, Traffic};
 pub use plan::plan_identity::PlanIdentity;

@@ -1,6 +1,7 @@
 //! Memory that an evaluation takes of a device.
 
 use crate::assembly::{GIVEN_BYTES, ROW_BYTES};
+use crate::contacts::{CONTACT_NUMBERS, contact_bytes};
 use crate::coupled::{RESIDUALS, RESULTS, UNKNOWNS};
 use crate::displace::MOVING;
 use crate::groups::group_bytes;
@@ -66,6 +67,16 @@ pub struct NearSize {
 /// returns among them, and in those of its motion, with three integers: its steps across the faces of the box.
 /// Brownian steps have fewer: random motions and loads, in place of older solutions.
 pub const HISTORY_BYTES: f64 = (size_of::<f64>() * (KEPT + MOVING) + 3 * size_of::<i32>()) as f64;
+
+/// Bytes of a particle in columns that steps with several solves keep besides those: of the start of the step, of the
+/// start of the substep, and of the present.
+pub const SUBSTEP_BYTES: f64 = (size_of::<f64>() * (KEPT + MOVING)) as f64;
+
+/// Bytes of a particle in contacts with this many slots: the lists of an evaluation, and the states of contacts at the
+/// start of the step, at the start of the substep and at its end.
+pub fn bytes_of_contacts(slots: usize) -> f64 {
+    (contact_bytes(slots) + 3 * size_of::<f64>() * CONTACT_NUMBERS * slots) as f64
+}
 
 impl NearSize {
     /// Bytes of the pairs and of the vectors of the iteration, and of one solution.

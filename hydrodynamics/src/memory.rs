@@ -6,7 +6,7 @@ use crate::pairs::matrix::lanes::LANES;
 use crate::pairs::matrix::sparse::{LaneGroup, MomentGroup, Padded};
 use crate::six_vector::SixVector;
 use domain::{Bytes, ExpectedCounts, Halo, MemoryNeed, Particles, Process, Traceless, Vector, VerletList};
-use fcm::{CardMemory, CardRanks, Footprint, NearPairCounts, PlanError, Precision};
+use fcm::{CardMemory, CardRanks, CardSteps, Footprint, NearPairCounts, PlanError, Precision};
 use lubrication::{LubricationRange, PairForce};
 
 /// Parallel layout: number of ranks and of threads per rank.
@@ -58,21 +58,21 @@ pub fn solve_bytes(far: &Footprint, expected: &ExpectedCounts, range: Lubricatio
     lists.then(pairs.then(given).then(residual).then(unknowns).then(passes).freed())
 }
 
-/// Memory that a solve takes of a card, with lubrication at the gaps of a range if there is one, and a draw of random
-/// motions by square roots in a basis of some vectors; none if the plan is for the host. Without lubrication the
+/// Memory that a solve takes of a card, with lubrication at the gaps of a range if there is one, and what steps keep or
+/// draw there; none if the plan is for the host. Without lubrication the
 /// iteration has the same vectors, and no pairs. Collective.
 pub fn card(
     far: &Footprint,
     expected: &ExpectedCounts,
     range: Option<LubricationRange>,
-    random_vectors: f64,
+    steps: &CardSteps,
     ranks: CardRanks,
 ) -> Result<Option<CardMemory>, PlanError> {
     let near = |range| NearPairCounts {
         tables: PairForce::series_bytes(far.radii(), range, STIFF),
         ..pair_counts(expected, range)
     };
-    far.card(range.map_or_else(NearPairCounts::default, near), random_vectors, ranks)
+    far.card(range.map_or_else(NearPairCounts::default, near), steps, ranks)
 }
 
 /// Mean numbers of near pairs of a particle.

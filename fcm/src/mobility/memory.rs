@@ -6,7 +6,7 @@ use crate::grid::stencil::Stencil;
 use crate::pairs::moment_correction::MomentCorrection;
 use crate::pairs::pair_correction::{PairCorrection, RECORD};
 use crate::pairs::table::{PairFunctions, PairTable};
-use crate::plan::device::{CardCounts, CardMemory, CardRanks, ComputeDevice, NearPairCounts};
+use crate::plan::device::{CardCounts, CardMemory, CardRanks, CardSteps, ComputeDevice, NearPairCounts};
 use crate::plan::method::{GridlessBytes, RankParticles};
 use crate::plan::problem::{Multipoles, Precision};
 use crate::plan::{Plan, PlanError};
@@ -56,12 +56,11 @@ impl<'a> Footprint<'a> {
     }
 
     /// Memory that a solve takes of a card, if the plan is for one, with near pairs and, for spheres with stresslets,
-    /// the vectors of the iteration, and a draw of random motions by square roots in a basis of some vectors. Several
-    /// ranks have both on the host. Collective.
+    /// the vectors of the iteration, and what steps keep or draw there. Several ranks have these on the host. Collective.
     pub fn card(
         &self,
         near: NearPairCounts,
-        random_vectors: f64,
+        steps: &CardSteps,
         ranks: CardRanks,
     ) -> Result<Option<CardMemory>, PlanError> {
         if self.plan.device == ComputeDevice::Cpu {
@@ -71,7 +70,8 @@ impl<'a> Footprint<'a> {
         let (owned, ranks_with_card) = (self.expected.owned(), self.place.table()[1]);
         let counts = CardCounts { owned, present: self.present(), ranks: ranks_with_card };
         let iterates = ranks_with_card == 1 && self.plan.multipoles == Multipoles::Dipole;
-        let near = if iterates { self.plan.near_bytes(owned, near) } else { 0.0 };
+        let near = if iterates { self.plan.near_bytes(owned, near, steps) } else { 0.0 };
+        let CardSteps { random_vectors, .. } = *steps;
         let size = EvaluationSize { random_vectors, ..self.plan.size_on_card(counts, neighbours) };
         CardMemory::of(size.bytes().total() + near, ranks).map(Some)
     }

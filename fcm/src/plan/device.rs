@@ -8,7 +8,10 @@ use crate::plan::method::Method;
 use crate::plan::problem::{Precision, Problem};
 use crate::plan::{Plan, PlanError};
 use domain::{Boundaries, Comm, Place, readable_bytes};
-use gpu::{DeviceError, DeviceInfo, EvaluationSize, HISTORY_BYTES, NearSize, NumberFormat, SolveKind};
+use gpu::{
+    DeviceError, DeviceInfo, EvaluationSize, HISTORY_BYTES, NearSize, NumberFormat, SUBSTEP_BYTES, SolveKind,
+    bytes_of_contacts,
+};
 
 /// Largest number of radii of which a device has tables for all pairs.
 const MOST_RADII: usize = 32;
@@ -65,6 +68,26 @@ pub struct NearPairCounts {
     pub soft: f64,
     /// Bytes of the tables of lubrication on a card.
     pub tables: f64,
+}
+
+/// Steps of particles that move on a card, as far as its memory depends on them.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct CardSteps {
+    /// Vectors of the basis of the square roots by which random motions are drawn; 0 without such motions.
+    pub random_vectors: f64,
+    /// Whether steps have several solves whose solutions they keep.
+    pub has_substeps: bool,
+    /// Contacts of a particle at most; 0 without contacts.
+    pub slots: usize,
+}
+
+impl CardSteps {
+    /// Bytes of a particle in the columns that steps keep, with the lists of contacts.
+    fn bytes(&self) -> f64 {
+        let of_substeps = if self.has_substeps { SUBSTEP_BYTES } else { 0.0 };
+        let of_contacts = if self.slots > 0 { bytes_of_contacts(self.slots) } else { 0.0 };
+        HISTORY_BYTES + of_substeps + of_contacts
+    }
 }
 
 /// Ranks whose cards are asked for.
@@ -223,11 +246,11 @@ impl Plan {
     }
 
     /// Bytes of a solve with near pairs on a card, besides those of evaluations, and of the solutions that a run keeps.
-    pub(crate) fn near_bytes(&self, particles: f64, pairs: NearPairCounts) -> f64 {
+    pub(crate) fn near_bytes(&self, particles: f64, pairs: NearPairCounts, steps: &CardSteps) -> f64 {
         let [stiff, soft] = [pairs.stiff, pairs.soft].map(|of_one| particles * of_one);
         let at_walls = self.boundaries.walls() > 0;
         let size = NearSize { numbers: self.numbers(), particles, stiff, soft, tables: pairs.tables, at_walls };
-        size.bytes() + HISTORY_BYTES * particles
+        size.bytes() + steps.bytes() * particles
     }
 
     /// Size of evaluations on a card, for particles with some neighbours within the cutoff each.

@@ -13,6 +13,7 @@ use crate::evaluation::gap_control::WATCHED;
 use crate::evaluation::initial_guess::WarmStart;
 use crate::flow::open_cell;
 use crate::forces::Forces;
+use crate::forces::contacts::Contacts;
 use crate::forces::surface::{SurfaceForces, repulsion};
 use crate::integrators::adams_bashforth::{AdamsBashforth, PAST_OF_ANY_LENGTH};
 use crate::integrators::adaptive;
@@ -25,7 +26,7 @@ use crate::start::plan::dipole_plans;
 use domain::{
     Bytes, ExpectedCounts, MemoryNeed, Particles, Place, Process, Traceless, Vector, packing_bytes, readable_bytes,
 };
-use fcm::{CardMemory, CardRanks, Footprint, Plan, PlanError};
+use fcm::{CardMemory, CardRanks, CardSteps, Footprint, Plan, PlanError};
 use hydrodynamics::brownian::{AMBIENT_NUMBERS, RANDOM_NUMBERS};
 use hydrodynamics::memory::{Ranks, of_peak, solve_bytes, table_bytes};
 use lubrication::LubricationRange;
@@ -52,7 +53,7 @@ pub fn card(model: &Model, radii: &Radii, plan: &Plan, ranks: CardRanks) -> Resu
     let expected = &ExpectedCounts::new(plan.edges, radii.kinds(), &place);
     let far = Footprint::new(plan, &place, 1, expected);
     let share = Share { model, far, expected, threads: 1, rank_of: (0, 1), dipoles: &[] };
-    hydrodynamics::memory::card(&share.far, expected, share.near_field(), share.random_vectors(), ranks)
+    hydrodynamics::memory::card(&share.far, expected, share.near_field(), &share.steps_on_card(), ranks)
 }
 
 /// Peak memory of one rank of a run.
@@ -290,6 +291,13 @@ impl Share<'_> {
     /// Lanczos vectors of a draw.
     fn random_vectors(&self) -> f64 {
         if self.is_brownian() { VECTORS } else { 0.0 }
+    }
+
+    /// What steps keep on a card.
+    fn steps_on_card(&self) -> CardSteps {
+        let has_substeps = matches!(self.model.integrator, Integrator::Implicit(_) | Integrator::Adaptive(_));
+        let slots = Contacts::of(self.model).map_or(0, |contacts| contacts.slots_of(self.expected.total() as usize));
+        CardSteps { random_vectors: self.random_vectors(), has_substeps, slots }
     }
 
     fn is_implicit(&self) -> bool {

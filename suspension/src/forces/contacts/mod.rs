@@ -111,7 +111,7 @@ impl Force for Contacts {
     /// Contacts at the start and at the end of a substep.
     fn numbers(&self, expected: &ExpectedCounts) -> usize {
         let of_adaptation = if self.settles { ADAPTATION_NUMBERS } else { 0 };
-        2 * CONTACT_NUMBERS * most_contacts(self.radii, expected.total() as usize) + of_adaptation
+        2 * CONTACT_NUMBERS * self.slots_of(expected.total() as usize) + of_adaptation
     }
 
     fn warnings(&self, model: &Model, radii: &Radii) -> Vec<String> {
@@ -135,6 +135,11 @@ impl Contacts {
             forcing: None,
             shear_moment: 0.0,
         })
+    }
+
+    /// Largest number of contacts of a particle among this many.
+    pub fn slots_of(&self, particles: usize) -> usize {
+        most_contacts(self.radii, particles)
     }
 
     /// These contacts between spheres of given radii.
