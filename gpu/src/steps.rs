@@ -29,8 +29,8 @@ pub struct StepInput<'a> {
     pub columns: &'a [DeviceList],
     /// Weights of the columns in displacements.
     pub weights: &'a [[f64; STEP_COLUMNS]],
-    /// Ratios of the difference between the highest of four orders and the next one, to the two differences after it, up
-    /// to which a motion counts as smooth.
+    /// Ratios of the difference between the highest of four orders and the next one, to the two differences after it,
+    /// up to which a motion counts as smooth.
     pub smooth: [f64; 2],
     /// Gaps over the mean radius: smaller ones count as that large in losses, and in errors.
     pub least: [f64; 2],
