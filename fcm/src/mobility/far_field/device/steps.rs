@@ -111,7 +111,9 @@ impl HeldSteps for KeptLists {
             (None, true) => Separation::Apart,
             (Some(list), true) => Separation::By(self.keep(list)),
             (list, false) => {
-                list.iter().for_each(|list| self.field.borrow_mut().release(list));
+                if let Some(list) = list {
+                    self.field.borrow_mut().release(&list);
+                }
                 Separation::Fails
             }
         }

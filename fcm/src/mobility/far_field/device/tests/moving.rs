@@ -54,7 +54,7 @@ impl Moving {
     /// Rows are not in the order of ids, and some of the sheared boxes have half a period of strain.
     pub fn random(seed: u64, shape: Shape, columns: usize) -> Self {
         let mut case = Case::random(seed, shape, 1.0 + 2.0 * (seed % 2) as f64);
-        if shape == Shape::Sheared && seed % 5 == 0 {
+        if shape == Shape::Sheared && seed.is_multiple_of(5) {
             let edges = case.cell.edges();
             case.cell = PeriodicBox::sheared(edges, -0.5 * edges.x / edges.y).unwrap();
             let cell = case.cell;

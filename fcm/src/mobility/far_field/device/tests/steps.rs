@@ -113,7 +113,10 @@ fn moved_apart(
 }
 
 fn assert_near(found: f64, exact: f64, what: &str) {
-    assert!(found == exact || (found - exact).abs() <= 1e-9 * exact.abs(), "{what}: {found} instead of {exact}");
+    assert!(
+        found.to_bits() == exact.to_bits() || (found - exact).abs() <= 1e-9 * exact.abs(),
+        "{what}: {found} instead of {exact}"
+    );
 }
 
 /// Random cases in boxes of both kinds, in both precisions, with two, three and four columns, with their largest
