@@ -29,10 +29,10 @@ const WATCHED_AT_WALLS: f64 = 1.0;
 const BATCH: usize = 1024;
 
 /// Largest number of iterations in which pairs are moved apart.
-const MOST_ROUNDS: usize = 100;
+pub const MOST_ROUNDS: usize = 100;
 
 /// Relative tolerance of the gap of pairs that are moved apart.
-const SLACK: f64 = 0.1;
+pub const SLACK: f64 = 0.1;
 
 /// Relative motion of near pairs, with `N` velocities of each: the present one and past ones.
 pub struct RelativeMotion<const N: usize> {

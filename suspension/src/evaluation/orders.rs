@@ -44,7 +44,7 @@ impl ErrorEstimate {
     /// oscillates at a rate `k`, with steps `h`, successive orders differ by `1/2 (exp(k h) - 1)`,
     /// `5/12 (exp(k h) - 1)^2` and `3/8 (exp(k h) - 1)^3` of the displacement in a step. These ratios of the last
     /// difference to the previous ones ensure that `k h` is below the stability limit `3/10` of the highest order.
-    const SMOOTH: [f64; 2] = [0.25, 0.06];
+    pub const SMOOTH: [f64; 2] = [0.25, 0.06];
 
     /// Estimate from the differences between successive orders, beginning with the highest.
     ///
