@@ -58,10 +58,10 @@ static __device__ void combine_columns(const Task &task)
     ((double *)task.list_y)[at] = sum;
 }
 
-// Error and roughness from the differences between M displacements and the next ones. The host's maximum ignores NaN, as
-// this one does.
+// Error and roughness from the differences between M displacements and the next ones. As on the host, the maximum
+// ignores NaN.
 template <int M>
-__device__ void estimate_error(const StepMotion &step, const double differences[M - 1], double *error, double *roughness)
+__device__ void estimate_error(const StepMotion &step, const double *differences, double *error, double *roughness)
 {
     *error = differences[0];
     *roughness = 0;

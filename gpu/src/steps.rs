@@ -29,8 +29,8 @@ pub struct StepInput<'a> {
     pub columns: &'a [DeviceList],
     /// Weights of the columns in displacements.
     pub weights: &'a [[f64; STEP_COLUMNS]],
-    /// Ratios of the difference between the highest of four orders and the next one, to the two differences after it, up
-    /// to which a motion counts as smooth.
+    /// Ratios of the difference between the highest of four orders and the next one, to the two differences after it,
+    /// up to which a motion counts as smooth.
     pub smooth: [f64; 2],
     /// Gaps over the mean radius: smaller ones count as that large in losses, and in errors.
     pub least: [f64; 2],
@@ -111,7 +111,7 @@ impl SplitFarField {
         let mut padded = [0.0; STEP_COLUMNS];
         padded[..weights.len()].copy_from_slice(&weights);
         let step = self.place_step(&StepInput { columns: &columns, weights: &[padded], ..StepInput::default() })?;
-        let task = KernelTask { step, list_y: to.address, list_size: to.count as i64, ..self.task };
+        let task = KernelTask { list_y: to.address, step, list_size: to.count as i64, ..self.task };
         self.launch_vectors("combine_all", to.count.div_ceil(SUM_THREADS), &task)
     }
 
@@ -164,7 +164,7 @@ impl SplitFarField {
         let step = self.place_step(input)?;
         let (of_sums, near_reach) = (self.buffers.step_sums.address(), self.bins_within(input.reach / input.length));
         self.device.zero(of_sums, size_of::<StepSums>())?;
-        self.launch_particles(kernel, &KernelTask { step, list_x, list_y, near_reach, ..self.task })?;
+        self.launch_particles(kernel, &KernelTask { list_x, list_y, step, near_reach, ..self.task })?;
         self.device.download(of_sums, bytemuck::bytes_of_mut(&mut sums))?;
         Ok(sums)
     }

@@ -27,8 +27,8 @@ pub enum DisplacementOrders<'a> {
     /// A displacement, and another from which its difference is the error.
     Two(&'a [DisplacementWeights; 2]),
     /// Displacements by four orders, the highest first, of which the second one is taken. With the differences `a`, `b`
-    /// and `c` between one order and the next, the error is `max(b, a / 4)` and there is no roughness, if `a <= max(s0 b,
-    /// s1 c)`; otherwise the error is `b` and the roughness `a`.
+    /// and `c` between one order and the next, the error is `max(b, a / 4)` and there is no roughness, if
+    /// `a <= max(s0 b, s1 c)`; otherwise the error is `b` and the roughness `a`.
     Four {
         /// Weights of each order.
         weights: &'a [DisplacementWeights; 4],
@@ -106,8 +106,8 @@ pub trait HeldSteps {
     ) -> GapChanges;
 
     /// Displacements, besides the weighted sum of velocities, that give every pair within reach the smallest gap, up to
-    /// its tolerance. Iteratively, pairs that are closer are moved apart along their lines of centres, the smaller sphere
-    /// farther; a sphere of several such pairs moves by their mean.
+    /// its tolerance. Iteratively, pairs that are closer are moved apart along their lines of centres, the smaller
+    /// sphere farther; a sphere of several such pairs moves by their mean.
     fn moved_apart(
         &self,
         velocities: &HeldVelocities,

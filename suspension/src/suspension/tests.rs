@@ -2,6 +2,7 @@
 
 mod brownian;
 mod implicit;
+mod steps;
 
 use super::Suspension;
 use crate::columns::{ANGULAR_VELOCITY, PAST, STRESSLET, VELOCITY};

@@ -68,6 +68,7 @@ impl KeptLists {
 
 impl HeldSteps for KeptLists {
     fn combined(&self, terms: &[(RemoteList, f64)]) -> RemoteList {
+        self.release_unused();
         let terms: Vec<(DeviceList, f64)> = terms.iter().map(|(remote, weight)| (self.held(remote), *weight)).collect();
         let sum = self.list(terms[0].0.count());
         succeeded(self.field.borrow_mut().combine(&terms, &sum));
@@ -101,6 +102,7 @@ impl HeldSteps for KeptLists {
         weights: &DisplacementWeights,
         limits: &SeparationLimits,
     ) -> Separation {
+        self.release_unused();
         let columns = self.all_held(velocities.columns);
         let &SeparationLimits { closest, slack, rounds, reach } = limits;
         let weights = &[*weights];
@@ -109,7 +111,9 @@ impl HeldSteps for KeptLists {
             (None, true) => Separation::Apart,
             (Some(list), true) => Separation::By(self.keep(list)),
             (list, false) => {
-                list.iter().for_each(|list| self.field.borrow_mut().release(list));
+                if let Some(list) = list {
+                    self.field.borrow_mut().release(&list);
+                }
                 Separation::Fails
             }
         }

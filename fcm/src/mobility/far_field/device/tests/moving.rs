@@ -6,7 +6,7 @@ use domain::{ParticleValues, Random, RemoteHolder, RemoteList, Tensor, remote_co
 use solver::BackgroundFlow;
 
 /// Unit of length of the cases, which differs from that of the far field.
-const UNIT: f64 = 5.0;
+const UNIT: f64 = 0.2;
 
 /// Particles with columns of velocities by rows.
 pub(super) struct Moving {
@@ -51,9 +51,15 @@ impl MovingPair {
 
 impl Moving {
     /// Spheres of sizes 1 to 3, every third of which nearly touches the one before, with some columns of velocities.
-    /// Rows are not in the order of ids.
+    /// Rows are not in the order of ids, and some of the sheared boxes have half a period of strain.
     pub fn random(seed: u64, shape: Shape, columns: usize) -> Self {
         let mut case = Case::random(seed, shape, 1.0 + 2.0 * (seed % 2) as f64);
+        if shape == Shape::Sheared && seed.is_multiple_of(5) {
+            let edges = case.cell.edges();
+            case.cell = PeriodicBox::sheared(edges, -0.5 * edges.x / edges.y).unwrap();
+            let cell = case.cell;
+            case.particles.positions.iter_mut().for_each(|x| *x = cell.wrap(*x).0);
+        }
         let (mut random, count) = (Random::new(seed, 1), case.particles.len());
         let mut vector = || Vector::from_array(std::array::from_fn(|_| 2.0 * random.uniform() - 1.0));
         for row in (1..count).step_by(3) {
