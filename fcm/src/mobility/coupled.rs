@@ -179,8 +179,8 @@ impl HeldLoads {
         Self { list: (!loads.is_empty()).then(|| holder.hold(loads)), largest: largest(loads) }
     }
 
-    /// The numbers, if there are any.
-    pub(crate) fn list(&self) -> Option<&RemoteList> {
+    /// The numbers, if there are any: six a particle, in the order of ids.
+    pub fn list(&self) -> Option<&RemoteList> {
         self.list.as_ref()
     }
 }

@@ -3,6 +3,7 @@
 mod bodies;
 mod constant_flux;
 mod device_alone;
+mod device_contacts;
 mod device_displaced;
 mod device_memory;
 mod device_noise;

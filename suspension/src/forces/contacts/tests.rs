@@ -1,5 +1,7 @@
 //! The contacts of many spheres, on any number of threads.
 
+mod on_device;
+
 use super::history::FOUND;
 use super::*;
 use crate::flow::periodic_cell::PeriodicCell;
@@ -35,12 +37,13 @@ fn spheres(edges: Vector) -> Particles {
     particles
 }
 
-fn random(seed: u64) -> Vec<Vector> {
-    (0..COUNT as u64).map(|id| Random::new(seed, id).point() - Vector::splat(0.5)).collect()
+fn random(seed: u64, count: usize) -> Vec<Vector> {
+    (0..count as u64).map(|id| Random::new(seed, id).point() - Vector::splat(0.5)).collect()
 }
 
-fn motion(seed: u64) -> Motion {
-    Motion { velocities: random(seed), angular_velocities: random(seed + 1), strain_rates: Vec::new() }
+fn motion(seed: u64, count: usize) -> Motion {
+    let [velocities, angular_velocities] = [seed, seed + 1].map(|seed| random(seed, count));
+    Motion { velocities, angular_velocities, strain_rates: Vec::new() }
 }
 
 fn contacts(cell: PeriodicBox, particles: &Particles) -> Contacts {
@@ -70,7 +73,7 @@ fn found(boundaries: Boundaries) -> Found {
     let mut acting = Acting::default();
     let mut states = Vec::new();
     for substep in 0..2 {
-        let (velocities, previous) = (random(10 + substep), motion(20 + substep));
+        let (velocities, previous) = (random(10 + substep, COUNT), motion(20 + substep, COUNT));
         let prediction = Prediction {
             time: STEP,
             velocities: &velocities,
@@ -89,7 +92,7 @@ fn found(boundaries: Boundaries) -> Found {
             lists: &lists,
         };
         contacts.add_loads(&mut at, &mut acting).unwrap();
-        let motion = &motion(30 + substep);
+        let motion = &motion(30 + substep, COUNT);
         let solved = SolvedMotion { motion, domain, is_implicit: true, is_stress_controlled: true };
         contacts.solved(&mut particles, &solved).unwrap();
         states = particles.column(FOUND, 0).values.to_vec();

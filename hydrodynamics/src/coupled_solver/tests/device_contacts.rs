@@ -1,0 +1,286 @@
+//! Contacts and implicit repulsion of spheres that move on a card, which an emulator stands for, against the host's
+//! solve with springs.
+
+use super::on_device::{Suspension, columns, emulator, relative};
+use super::*;
+use crate::coupled_solver::{HeldContacts, TooManyContacts};
+use crate::pairs::surface_laws::TakenForce;
+use crate::solution::{HeldForces, HeldPrediction};
+use crate::springs::{ContactSprings, TetherResistance};
+use domain::parallel::RowLists;
+use domain::{Random, RemoteList};
+use fcm::{HeldLoads, Mobility, StressletSolver};
+use gpu::Device;
+use lubrication::{Barrier, Contact, Elasticity, PairKind, SurfaceForce};
+use solver::BackgroundFlow;
+
+/// Times of predictions along the line of centres and across.
+const TIMES: [f64; 2] = [0.02, 0.03];
+
+/// Slots of a particle.
+const SLOTS: usize = 12;
+
+/// Spheres in contact in a sheared box, with forces between their surfaces.
+struct Touching {
+    suspension: Suspension,
+    range: Option<LubricationRange>,
+    law: Contact,
+    forces: Vec<TakenForce>,
+    flow: BackgroundFlow,
+}
+
+/// An image of another sphere as seen by a sphere: its row, and the vector to it.
+struct Image {
+    other: usize,
+    separation: Vector,
+}
+
+fn random(count: usize, seed: u64) -> Vec<Vector> {
+    (0..count as u64).map(|row| Random::new(seed, row).point() - Vector::splat(0.5)).collect()
+}
+
+impl Touching {
+    fn new(precision: Precision, iteration: f64, is_lubricated: bool, elasticity: Elasticity) -> Self {
+        let full = |edge: f64| PeriodicBox::sheared(Vector::splat(0.894 * edge), 0.3).unwrap();
+        // No sphere is near two images of another: the host's contacts have the ids of the others.
+        let mut suspension = Suspension::of(28, full, precision, iteration);
+        let count = suspension.particles.len() as u64;
+        suspension.particles.ids = (0..count).map(|row| 3 * row + 5).collect();
+        let barrier = SurfaceForce::Barrier(Barrier::new(30.0, 0.5).unwrap());
+        let screened = SurfaceForce::Screened { strength: 20.0, radius_power: 1, length: 0.05 };
+        // Lubrication ends at smaller gaps than the repulsion.
+        let explicit = SurfaceForce::VanDerWaals { hamaker: 0.6, closest: 0.01, range: 0.5 };
+        let forces = [(barrier, true), (screened, true), (explicit, false)];
+        let law = Contact {
+            friction: 0.5,
+            roughness: 0.3,
+            stiffness: 150.0,
+            tangential_ratio: 0.4,
+            rolling_friction: 0.3,
+            critical_load: 0.0,
+            elasticity,
+        };
+        Self {
+            suspension,
+            range: is_lubricated.then(|| LubricationRange::new(0.3, 1e-5).unwrap()),
+            law,
+            forces: forces.map(|(force, is_implicit)| TakenForce { force, is_implicit }).to_vec(),
+            flow: BackgroundFlow::shear(0.8),
+        }
+    }
+
+    fn count(&self) -> usize {
+        self.suspension.particles.len()
+    }
+
+    fn solver(&self, device: Option<Box<dyn Device>>) -> CoupledSolver {
+        let Suspension { plan, .. } = &self.suspension;
+        let partition = self.suspension.partition();
+        let short_range = ShortRange { lubrication: self.range, springs: Some(3.2 * 1.25) };
+        match device {
+            Some(device) => {
+                let far = StressletSolver::of(Mobility::on(device, plan, &partition), partition.comm());
+                CoupledSolver::of(far, &partition, short_range).unwrap()
+            }
+            None => CoupledSolver::new(plan, &partition, short_range).unwrap(),
+        }
+    }
+
+    /// Images of other spheres within reach of a sphere.
+    fn images(&self, row: usize) -> Vec<Image> {
+        let Suspension { cell, particles, .. } = &self.suspension;
+        let steps = (0..27).map(|k| [k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1]);
+        let at = |steps: [i32; 3]| {
+            (0..self.count()).map(move |other| {
+                let separation = particles.positions[other] + cell.lattice(steps) - particles.positions[row];
+                Image { other, separation }
+            })
+        };
+        steps.flat_map(at).filter(|image| image.separation.length() > 0.0).collect()
+    }
+
+    fn between(&self, row: usize, image: &Image) -> [f64; 2] {
+        [row, image.other].map(|row| self.suspension.particles.radii[row])
+    }
+
+    /// Expected velocities relative to the flow.
+    fn expected(&self) -> Vec<Vector> {
+        random(self.count(), 4)
+    }
+
+    /// Loads besides those of contacts and surfaces.
+    fn given(&self) -> Loads {
+        let [forces, torques] = [8, 9].map(|seed| random(self.count(), seed));
+        Loads { forces, torques, stresslets: Vec::new() }
+    }
+
+    /// Resistance of implicit forces between surfaces.
+    fn surface_resistance(&self, distance: f64, between: [f64; 2]) -> f64 {
+        let implicit = self.forces.iter().filter(|taken| taken.is_implicit);
+        let gap = distance - between[0] - between[1];
+        implicit.map(|taken| TIMES[0] * taken.force.stiffness(gap, between)).sum()
+    }
+
+    fn contact(&self, row: usize, image: &Image) -> Option<ContactSprings> {
+        let (between, distance) = (self.between(row, image), image.separation.length());
+        let overlap = self.law.overlap(distance, between);
+        let [normal, tangential] = [
+            TIMES[0] * self.law.normal_stiffness(overlap, between),
+            TIMES[1] * self.law.tangential_stiffness(overlap, between),
+        ];
+        let other = self.suspension.particles.ids[image.other];
+        (overlap > 0.0).then_some(ContactSprings { other, normal, tangential, rolling: tangential })
+    }
+
+    /// All loads on the spheres at known velocities: those given, and forces of surfaces and contacts without friction
+    /// at the start.
+    fn known_loads(&self) -> Loads {
+        let (mut loads, expected, strain) = (self.given(), self.expected(), self.flow.strain_rate().tensor());
+        for row in 0..self.count() {
+            for image in self.images(row) {
+                let (between, distance) = (self.between(row, &image), image.separation.length());
+                let (axis, radii) = (image.separation / distance, between[0] + between[1]);
+                let opening = axis.dot(expected[image.other] - expected[row]);
+                for TakenForce { force, .. } in &self.forces {
+                    loads.forces[row] += force.force(image.separation, between);
+                }
+                loads.forces[row] -= axis * (self.surface_resistance(distance, between) * opening);
+                let Some(springs) = self.contact(row, &image) else { continue };
+                let strained = strain * image.separation;
+                let sheared = springs.tangential * (strained - axis * axis.dot(strained));
+                let normal = self.law.force(self.law.overlap(distance, between), between) + springs.normal * opening;
+                loads.forces[row] += sheared - normal * axis;
+                loads.torques[row] += axis.cross(sheared) * (distance * between[0] / radii);
+            }
+        }
+        loads
+    }
+
+    /// The solution of the host.
+    fn exact(&self) -> Solution {
+        let Suspension { cell, particles, .. } = &self.suspension;
+        let resistance = |distance: f64, between: PairKind| match between {
+            PairKind::Spheres(radii) => self.surface_resistance(distance, radii),
+            PairKind::Wall(_) => 0.0,
+        };
+        let contacts = RowLists::of_rows(self.count(), |row, list| {
+            list.extend(self.images(row).iter().filter_map(|image| self.contact(row, image)));
+        });
+        assert!(contacts.items().len() > self.count());
+        let springs = Springs { resistance: &resistance, contacts: &contacts, tethers: &TetherResistance::default() };
+        let loads = self.known_loads();
+        let input = SolveInput { springs: Some(&springs), ..acting(&loads, self.flow.strain_rate()) };
+        self.solver(None).solve(cell, particles, &input, Guess::default()).unwrap()
+    }
+}
+
+/// Spheres on a card, and lists that it holds.
+struct OnCard<'a> {
+    case: &'a Touching,
+    solver: CoupledSolver,
+    particles: Particles,
+    expected: RemoteList,
+}
+
+impl<'a> OnCard<'a> {
+    fn new(case: &'a Touching, device: Box<dyn Device>) -> Self {
+        let (mut solver, mut particles) = (case.solver(Some(device)), case.suspension.particles.clone());
+        assert!(solver.take_surface_forces(&case.forces));
+        particles.move_to(solver.holder().unwrap());
+        solver.hold_loads(&case.given(), &particles);
+        let relative = case.expected().into_iter().zip(&case.suspension.particles.positions);
+        let expected: Vec<Vector> = relative.map(|(v, &x)| v + case.flow.velocity(x)).collect();
+        let expected = solver.holder().unwrap().hold(bytemuck::cast_slice(&expected));
+        Self { case, solver, particles, expected }
+    }
+
+    fn loads(&mut self, slots: usize) -> Result<HeldLoads, TooManyContacts> {
+        let Self { case, solver, particles, expected } = self;
+        let (law, flow) = (&case.law, &case.flow);
+        let contacts =
+            HeldContacts { law, slots, times: TIMES, expected: Some(expected), history: None, previous: None, flow };
+        solver.contact_loads(&case.suspension.cell, particles, &contacts)
+    }
+
+    /// A solution with all lists.
+    fn solution(&mut self, forces: Option<&HeldForces>) -> Solution {
+        let (none, Self { case, solver, particles, .. }) = (Loads::default(), self);
+        let input = SolveInput {
+            keeps_columns: true,
+            moving_in: Some(&case.flow),
+            surface_forces: true,
+            held_forces: forces,
+            ..acting(&none, case.flow.strain_rate())
+        };
+        let solution = solver.solve(&case.suspension.cell, particles, &input, Guess::default()).unwrap();
+        let kept = solution.kept.clone().unwrap();
+        let [.., velocities, rotations] = &kept.columns.guessed;
+        let lists = [velocities, rotations].map(|values| values.remote_list().unwrap());
+        let motions = solver.holder().unwrap().copies(&lists);
+        let [velocities, angular_velocities] =
+            [0, 1].map(|k| motions[k].as_chunks().0.iter().map(|&v| Vector::from_array(v)).collect());
+        let solution = solver.with_lists(solution, particles);
+        Solution { motion: Motion { velocities, angular_velocities, ..solution.motion }, ..solution }
+    }
+
+    /// The implicit solution, and the loads from which it follows.
+    fn implicit(&mut self) -> (Solution, Vec<f64>) {
+        let (loads, velocities) = (self.loads(SLOTS).unwrap(), self.expected.clone());
+        let known = self.solver.holder().unwrap().copies(&[loads.list().unwrap()]).remove(0);
+        let prediction = Some(HeldPrediction { time: TIMES[0], velocities: &velocities });
+        (self.solution(Some(&HeldForces { prediction, contacts: Some(loads) })), known)
+    }
+}
+
+fn agree(case: &Touching, allowed: f64) {
+    let exact = Touching { suspension: case.suspension.with_tolerance(1e-9), forces: case.forces.clone(), ..*case };
+    let exact = exact.exact();
+    let mut card = OnCard::new(case, emulator(3));
+    let (found, _) = card.implicit();
+    for (kind, (found, exact)) in columns(&found).iter().zip(&columns(&exact)).enumerate() {
+        let error = relative(found, exact);
+        assert!(error < allowed, "numbers of kind {kind}: {error:e}");
+    }
+}
+
+#[test]
+fn implicit_solutions_are_those_of_the_host() {
+    for (is_lubricated, elasticity) in [(true, Elasticity::Linear), (false, Elasticity::Hertz)] {
+        agree(&Touching::new(Precision::Double, 1e-9, is_lubricated, elasticity), 1e-7);
+    }
+}
+
+#[test]
+fn implicit_solutions_in_single_precision_are_those_of_the_host() {
+    agree(&Touching::new(Precision::Single, 1e-5, true, Elasticity::Hertz), 1e-4);
+}
+
+/// Springs act in solves with a prediction alone, and solutions have the same bits in any order of threads.
+#[test]
+fn springs_end_with_the_prediction() {
+    let case = Touching::new(Precision::Single, 1e-4, true, Elasticity::Linear);
+    let [(first, loads), (second, others)] = [1, 2].map(|seed| {
+        let mut card = OnCard::new(&case, emulator(seed));
+        let before = card.solution(None);
+        let implicit = card.implicit();
+        assert_eq!(columns(&card.solution(None)), columns(&before));
+        assert!(relative(&columns(&implicit.0)[0], &columns(&before)[0]) > 0.1);
+        implicit
+    });
+    assert_eq!((columns(&first), loads), (columns(&second), others));
+}
+
+/// The one with the lowest id, as on the host.
+#[test]
+fn a_particle_with_too_many_contacts_is_named() {
+    let case = Touching::new(Precision::Single, 1e-2, false, Elasticity::Linear);
+    let contacts = |row| case.images(row).iter().filter(|image| case.contact(row, image).is_some()).count();
+    let counts: Vec<usize> = (0..case.count()).map(contacts).collect();
+    let most = counts.iter().copied().max().unwrap();
+    for slots in [1, most / 2, most - 1] {
+        let row = counts.iter().position(|&count| count > slots).unwrap();
+        let found = OnCard::new(&case, emulator(1)).loads(slots).map(drop);
+        assert_eq!(found, Err(TooManyContacts { id: case.suspension.particles.ids[row] }));
+    }
+    OnCard::new(&case, emulator(2)).loads(most).unwrap();
+}
