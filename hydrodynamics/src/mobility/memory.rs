@@ -2,7 +2,7 @@
 
 use crate::memory::{self, Ranks, of_peak, solve_bytes, table_bytes};
 use domain::{Bytes, Comm, ExpectedCounts, Failure, Particles, Place};
-use fcm::{CardRanks, Footprint, Plan, PlanError};
+use fcm::{CardRanks, CardSteps, Footprint, Plan, PlanError};
 use lubrication::LubricationRange;
 
 /// A single evaluation.
@@ -37,7 +37,7 @@ impl SingleEvaluation<'_> {
         let place = Place::of(comm.size(), comm.size() - 1, [self.plan.grid[1], self.plan.grid[2]]);
         let expected = self.expected(&place);
         let far = Footprint::new(self.plan, &place, 1, &expected);
-        let card = memory::card(&far, &expected, self.lubrication, 0.0, CardRanks::Present(comm))?;
+        let card = memory::card(&far, &expected, self.lubrication, &CardSteps::default(), CardRanks::Present(comm))?;
         card.map_or(Ok(()), |card| card.check())
     }
 
