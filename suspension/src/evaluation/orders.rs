@@ -79,6 +79,11 @@ pub fn of_displacements(particles: &mut Particles, weights: &Weights, dynamics: 
     if let Some(DisplacementError { error, roughness }) = dynamics.held_error(particles, USED, &orders) {
         return ErrorEstimate { error, roughness };
     }
+    of_displacements_here(particles, weights, dynamics.partition().comm())
+}
+
+/// [`of_displacements`] for particles that move here. Collective.
+pub fn of_displacements_here(particles: &mut Particles, weights: &Weights, comm: &Comm) -> ErrorEstimate {
     for name in USED {
         particles.vectors(name);
     }
@@ -95,7 +100,7 @@ pub fn of_displacements(particles: &mut Particles, weights: &Weights, dynamics: 
     let worst =
         particles.radii.par_iter().enumerate().map(of).measured().reduce(ErrorEstimate::default, ErrorEstimate::worse);
     let mut largest = [worst.error, worst.roughness];
-    dynamics.partition().comm().max(&mut largest);
+    comm.max(&mut largest);
     ErrorEstimate { error: largest[0], roughness: largest[1] }
 }
 

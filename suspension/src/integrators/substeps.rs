@@ -4,7 +4,7 @@ use crate::evaluation::Dynamics;
 use crate::evaluation::approach::{Approach, Separated};
 use crate::scalars::{AGES, OLDEST_AGE};
 use domain::parallel::{change, greatest, of_rows};
-use domain::{Particles, Scalars, Vector};
+use domain::{Comm, Particles, Scalars, Vector};
 
 /// Smallest substep, over the clock's step.
 pub const SHORTEST: f64 = 1e-9;
@@ -39,6 +39,16 @@ pub fn largest_displacement<const N: usize>(
     if let Some(largest) = dynamics.held_displacement(particles, columns, weights) {
         return largest;
     }
+    largest_displacement_here(particles, columns, weights, dynamics.partition().comm())
+}
+
+/// [`largest_displacement`] for particles that move here. Collective.
+pub fn largest_displacement_here<const N: usize>(
+    particles: &mut Particles,
+    columns: [&str; N],
+    weights: [f64; N],
+    comm: &Comm,
+) -> f64 {
     let mut sums = of_rows(particles.len(), |_| Vector::ZERO);
     for (name, weight) in columns.into_iter().zip(weights) {
         change(&mut sums, particles.vectors(name), |sum, &v| *sum += v * weight);
@@ -46,7 +56,7 @@ pub fn largest_displacement<const N: usize>(
     let over_radius = of_rows(sums.len(), |row| sums[row].length() / particles.radii[row]);
     // The maximum of floating-point numbers ignores NaN.
     let mut largest = [greatest(&over_radius, |&over| if over.is_nan() { f64::INFINITY } else { over })];
-    dynamics.partition().comm().max(&mut largest);
+    comm.max(&mut largest);
     largest[0]
 }
 

@@ -227,7 +227,7 @@ impl<'a> OnCard<'a> {
     fn implicit(&mut self) -> (Solution, Vec<f64>) {
         let (loads, velocities) = (self.loads(SLOTS).unwrap(), self.expected.clone());
         let known = self.solver.holder().unwrap().copies(&[loads.list().unwrap()]).remove(0);
-        let prediction = Some(HeldPrediction { time: TIMES[0], velocities: velocities.clone() });
+        let prediction = Some(HeldPrediction { time: TIMES[0], velocities });
         (self.solution(Some(&HeldForces { prediction, contacts: Some(loads) })), known)
     }
 }

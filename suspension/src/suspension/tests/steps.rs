@@ -4,7 +4,7 @@ use super::*;
 use crate::evaluation::gap_control::{Change, MOST_ROUNDS, RelativeMotion, SLACK, WATCHED};
 use crate::evaluation::orders::{self, ErrorEstimate, USED};
 use crate::flow::periodic_cell::PeriodicCell;
-use crate::integrators::substeps::largest_displacement;
+use crate::integrators::substeps::largest_displacement_here;
 use crate::model::ShearRates;
 use crate::model::radii::Radii;
 use crate::start::plan::plan;
@@ -99,7 +99,7 @@ fn changes_and_errors_are_those_of_the_host() {
                 assert_same_changes(found, exact);
             }
             let found = case.steps.displacement_error(&case.columns, &four);
-            let exact = orders::of_displacements(&mut case.particles, &weights, &alone);
+            let exact = orders::of_displacements_here(&mut case.particles, &weights, &alone);
             assert_near(&[found.error, found.roughness], &[exact.error, exact.roughness]);
             rough += usize::from(exact.roughness > 0.0);
             let both = [weights[0], [0.5 * step, 0.3 * step, 0.0, 0.0]];
@@ -108,7 +108,7 @@ fn changes_and_errors_are_those_of_the_host() {
             assert_same_changes(found, host.after(both, [0.01, 0.1], &alone));
             let from_none = [weights[0], [0.0; 4]];
             let found = case.steps.displacement_error(&case.columns, &DisplacementOrders::Two(&from_none)).error;
-            assert_near(&[found], &[largest_displacement(&mut case.particles, USED, weights[0], &alone)]);
+            assert_near(&[found], &[largest_displacement_here(&mut case.particles, USED, weights[0], &alone)]);
         }
     }
     assert_eq!(rough, 4);
