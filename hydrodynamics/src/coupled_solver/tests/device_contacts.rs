@@ -10,7 +10,7 @@ use crate::springs::{ContactSprings, TetherResistance};
 use domain::parallel::RowLists;
 use domain::{Random, RemoteList};
 use fcm::{HeldLoads, Mobility, StressletSolver};
-use gpu::Device;
+use gpu::{Counted, Device, contact_bytes};
 use lubrication::{Barrier, Contact, Elasticity, PairKind, SurfaceForce};
 use solver::BackgroundFlow;
 
@@ -43,13 +43,15 @@ impl Touching {
     fn new(precision: Precision, iteration: f64, is_lubricated: bool, elasticity: Elasticity) -> Self {
         let full = |edge: f64| PeriodicBox::sheared(Vector::splat(0.894 * edge), 0.3).unwrap();
         // No sphere is near two images of another: the host's contacts have the ids of the others.
-        let mut suspension = Suspension::of(28, full, precision, iteration);
+        Self::of(Suspension::of(28, full, precision, iteration), is_lubricated, elasticity)
+    }
+
+    fn of(mut suspension: Suspension, is_lubricated: bool, elasticity: Elasticity) -> Self {
         let count = suspension.particles.len() as u64;
         suspension.particles.ids = (0..count).map(|row| 3 * row + 5).collect();
         let barrier = SurfaceForce::Barrier(Barrier::new(30.0, 0.5).unwrap());
         let screened = SurfaceForce::Screened { strength: 20.0, radius_power: 1, length: 0.05 };
-        // Lubrication ends at smaller gaps than the repulsion.
-        let explicit = SurfaceForce::VanDerWaals { hamaker: 0.6, closest: 0.01, range: 0.5 };
+        let explicit = SurfaceForce::Screened { strength: 9.0, radius_power: 0, length: 0.04 };
         let forces = [(barrier, true), (screened, true), (explicit, false)];
         let law = Contact {
             friction: 0.5,
@@ -62,6 +64,7 @@ impl Touching {
         };
         Self {
             suspension,
+            // It ends at smaller gaps than springs.
             range: is_lubricated.then(|| LubricationRange::new(0.3, 1e-5).unwrap()),
             law,
             forces: forces.map(|(force, is_implicit)| TakenForce { force, is_implicit }).to_vec(),
@@ -253,6 +256,57 @@ fn implicit_solutions_are_those_of_the_host() {
 #[test]
 fn implicit_solutions_in_single_precision_are_those_of_the_host() {
     agree(&Touching::new(Precision::Single, 1e-5, true, Elasticity::Hertz), 1e-4);
+}
+
+/// Two spheres that touch across a box as well, where the contacts differ. Their motions are those under the forces and
+/// torques that the springs exert in these motions.
+#[test]
+fn images_have_their_own_springs() {
+    let mut suspension = Suspension::of(2, |_| cube(4.4), Precision::Double, 1e-10);
+    suspension.particles.positions[0] = Vector::new(0.3, 1.0, 2.0);
+    suspension.particles.positions[1] = Vector::new(2.45, 1.1, 1.8);
+    let case = Touching { forces: Vec::new(), ..Touching::of(suspension, false, Elasticity::Hertz) };
+    let (sprung, known) = OnCard::new(&case, emulator(5)).implicit();
+    let (v, w) = (&sprung.motion.velocities, &sprung.motion.angular_velocities);
+    let mut loads = Loads::default();
+    for (row, known) in known.as_chunks::<6>().0.iter().enumerate() {
+        let (mut force, mut torque) = (Vector::from_slice(known), Vector::from_slice(&known[3..]));
+        let images = case.images(row);
+        let touching = images.iter().filter_map(|image| Some((image, case.contact(row, image)?)));
+        assert_eq!(touching.clone().count(), 2);
+        for (image, springs) in touching {
+            let (axis, other, arm) = (image.separation.normalize(), image.other, 0.5 * image.separation.length());
+            let moved = v[other] - v[row];
+            let opening = axis.dot(moved);
+            let slip = springs.tangential * (moved - axis * opening - arm * (w[row] + w[other]).cross(axis));
+            let rolling = springs.rolling * (w[other] - w[row]).cross(axis);
+            force += springs.normal * opening * axis + slip;
+            torque += axis.cross(arm * slip + rolling);
+        }
+        loads.forces.push(force);
+        loads.torques.push(torque);
+    }
+    let mut free = OnCard::new(&case, emulator(5));
+    let at_rest = free.solution(None);
+    free.solver.hold_loads(&loads, &free.particles);
+    let pushed = free.solution(None);
+    for ((found, exact), at_rest) in columns(&sprung).iter().zip(&columns(&pushed)).zip(&columns(&at_rest)).take(2) {
+        assert!(relative(found, exact) < 1e-8 && relative(at_rest, exact) > 0.1, "{found:?}, {exact:?}");
+    }
+}
+
+/// Contacts take what the forecast has for them.
+#[test]
+fn contacts_take_what_is_predicted() {
+    let case = Touching::new(Precision::Single, 1e-2, false, Elasticity::Linear);
+    let (device, counts) = Counted::new(emulator(1));
+    let mut card = OnCard::new(&case, Box::new(device));
+    card.solver.mobility().follow(&case.suspension.cell, &card.particles);
+    let before = counts.borrow().memory[1];
+    card.loads(SLOTS).unwrap();
+    let (found, expected) = (counts.borrow().memory[1] - before, (case.count() * contact_bytes(SLOTS)) as u64);
+    // Arguments, radii and sums are left out.
+    assert!((expected..expected + 500).contains(&found), "{found} bytes, {expected} expected");
 }
 
 /// Springs act in solves with a prediction alone, and solutions have the same bits in any order of threads.

@@ -205,7 +205,8 @@ fn are_close(found: &[f64], exact: &[f64]) {
     }
 }
 
-/// After two substeps, in which contacts begin and end, stick, slide and roll, the last one with a prediction or without.
+/// After two substeps, in which contacts begin and end, stick, slide and roll, the last one with a prediction or
+/// without.
 #[test]
 fn loads_and_states_are_those_of_the_host() {
     for (law, is_predicted) in [(laws()[0], true), (laws()[1], true), (laws()[1], false)] {
