@@ -7,7 +7,7 @@ use super::motion;
 use crate::flow::periodic_cell::PeriodicCell;
 use crate::model::{Protocol, ShearRates};
 use crate::neighbourhood::NeighbourLists;
-use domain::{Boundaries, Comm, Partition, PeriodicBox, Random, RemoteList, Traceless, Units, Vector};
+use domain::{Boundaries, Column, Comm, Partition, PeriodicBox, Random, RemoteList, Traceless, Units, Vector};
 use fcm::{Costs, Fixed, Loading, Method, Mobility, Motion, Multipoles, Plan, Precision, Problem, StressletSolver};
 use gpu::Emulator;
 use hydrodynamics::{CoupledSolver, HeldContacts, ShortRange};
@@ -59,13 +59,9 @@ impl Crowd {
         particles
     }
 
-    fn partition(&self) -> Partition {
-        Partition::new(&Comm::alone(), [8, 8])
-    }
-
     /// By the host; substeps may have predictions.
     fn on_host(&self, are_predicted: [bool; 2]) -> States {
-        let (partition, lists) = (self.partition(), NeighbourLists::default());
+        let (partition, lists) = (Partition::new(&Comm::alone(), [8, 8]), NeighbourLists::default());
         let domain = DomainView { cell: &self.cell, partition: &partition };
         let (mut loads, mut history) = (Loads::default(), None);
         for (substep, is_predicted) in (0..).zip(are_predicted) {
@@ -95,7 +91,7 @@ impl Crowd {
             forcing.add_to(&mut loads);
             forcing.note(&mut particles, self.slots, &forcing.ends(&motion(30 + substep, COUNT))).unwrap();
             history = particles.columns.into_iter().find(|column| column.name == FOUND);
-            history.iter_mut().for_each(|column| column.name = CONTACTS.to_owned());
+            history = history.map(|column| Column { name: CONTACTS.to_owned(), ..column });
         }
         let rows = loads.forces.iter().zip(&loads.torques);
         let loads = rows.flat_map(|(force, torque)| [force.to_array(), torque.to_array()]).flatten().collect();
@@ -239,8 +235,8 @@ fn both_spheres_note_the_same() {
     let of_row = |row: usize| &one.slots()[crowd.slots * row..][..crowd.slots];
     for row in 0..COUNT {
         for slot in of_row(row).iter().take_while(|slot| slot[0] > 0.0) {
-            let (id, other) = ((3 * row + 5) as f64, (slot[0] as usize - 6) / 3);
-            let seen = of_row(other).iter().find(|seen| seen[0] == id + 1.0).unwrap();
+            let (id, other) = (3 * row + 5, (slot[0] as usize - 6) / 3);
+            let seen = of_row(other).iter().find(|seen| seen[0] as usize == id + 1).unwrap();
             assert_eq!((seen[1..4].to_vec(), &seen[4..]), (slot[1..4].iter().map(|f| -f).collect(), &slot[4..]));
             contacts += 1;
         }
