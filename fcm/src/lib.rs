@@ -72,7 +72,7 @@ pub use gpu::{
 };
 pub use grid::stencil::Support;
 pub use lanczos::{DrawDiagnostics, LanczosLimits, square_root_times};
-pub use mobility::contacts::{ContactFarField, ContactState, TouchingParticles};
+pub use mobility::contacts::{ContactFarField, TouchingParticles};
 pub use mobility::coupled::{
     ChangeLimits, ChangedSolution, CoupledFarField, CoupledProblem, CoupledResidual, CoupledSolution,
     CoupledTolerances, GivenAmbient, GivenLoads, HeldLoads, HeldSprings, KnownSolution, PredictedVelocities,

@@ -26,8 +26,9 @@ static __device__ PairSprings springs_between(const Task &task, int row, int oth
 // Adds the resistances of springs to the coefficients of a row's sphere, see hydrodynamics/src/pairs/contacts.rs.
 static __device__ void add_springs(const NearKind &kind, const PairSprings &springs, double distance, SphereRow &side)
 {
-    double own = kind.is_larger != 0 ? kind.sum - kind.small : kind.small, other = kind.sum - own;
-    double sign = kind.is_larger != 0 ? -1 : 1, harmonic = 2 * own * other / kind.sum;
+    bool is_larger = kind.is_larger != 0;
+    double large = kind.sum - kind.small, own = is_larger ? large : kind.small, other = is_larger ? kind.small : large;
+    double sign = is_larger ? -1 : 1, harmonic = 2 * kind.small * large / kind.sum;
     const double arms[2] = {distance * own / kind.sum, distance * other / kind.sum};
     double rolling = springs.rolling * harmonic * harmonic;
     for (int sphere = 0; sphere < 2; sphere++) {
@@ -35,7 +36,7 @@ static __device__ void add_springs(const NearKind &kind, const PairSprings &spri
         side.xa[sphere] += opposite * springs.along;
         side.ya[sphere] += opposite * springs.slip;
         side.yb[sphere] += sign * springs.slip * arms[sphere];
-        side.yc[sphere] += springs.slip * arms[0] * arms[sphere] + opposite * rolling;
+        side.yc[sphere] += springs.slip * (arms[0] * arms[sphere]) + opposite * rolling;
     }
     side.yb_other -= sign * springs.slip * arms[0];
 }

@@ -1,6 +1,5 @@
 //! Contacts of rough spheres that move on a device, see `gpu/kernels/contacts.h`.
 
-use crate::buffers::{Buffer, KnownBuffer};
 use crate::device::{DeviceError, KernelLaunch};
 use crate::far_field::{PARTICLE_THREADS, SplitFarField};
 use crate::lists::DeviceList;
@@ -76,28 +75,10 @@ pub struct ContactLoads {
     pub crowded: Option<usize>,
 }
 
-/// Memory of contacts.
-#[derive(Default)]
-pub(crate) struct ContactBuffers {
-    arguments: KnownBuffer,
-    radii: KnownBuffer,
-    /// Numbers of contacts, and by slots the others and packed steps.
-    lists: [Buffer; 3],
-    resistances: Buffer,
-    sums: Buffer,
-}
-
-impl ContactBuffers {
-    /// Address of the contacts that were found last; 0 if none were sought.
-    pub fn address(&self) -> DeviceAddress {
-        self.arguments.address()
-    }
-}
-
 /// Arguments with the fields of `gpu/kernels/contacts.h` in the same order.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
-struct Contacts {
+struct ContactArguments {
     positions: DeviceAddress,
     expected: DeviceAddress,
     history: DeviceAddress,
@@ -119,14 +100,14 @@ struct Contacts {
     is_hertz: i64,
 }
 
-/// Bytes of the contacts of a particle with this many slots, besides the columns of their states: lists with their
-/// resistances, and loads.
+/// Bytes of the contacts of a particle with this many slots, besides the columns of their states: lists with
+/// resistances, loads, and an id.
 pub fn contact_bytes(slots: usize) -> usize {
-    4 + slots * (4 + 4 + 8 * RESISTANCES) + 8 * SIX
+    4 + slots * (4 + 4 + size_of::<f64>() * RESISTANCES) + size_of::<f64>() * SIX + size_of::<u64>()
 }
 
-/// Sums over all spheres, as in `gpu/kernels/contacts.h`.
-type ContactSums = [u64; 2];
+/// Number of sums over all spheres, as in `gpu/kernels/contacts.h`.
+const SUMS: usize = 2;
 
 impl SplitFarField {
     /// Finds the contacts of the arranged particles. Returns the known parts of their loads, added to steady loads if
@@ -142,7 +123,7 @@ impl SplitFarField {
         (arguments.steady, arguments.loads) = (steady.map_or(0, |list| list.address), list.address);
         let task = self.contact_task(input, &arguments)?;
         self.near.reach_of_contacts = arguments.reach;
-        let mut sums = ContactSums::default();
+        let mut sums = [0_u64; SUMS];
         let [crowded, largest] = if count == 0 {
             sums
         } else {
@@ -168,7 +149,7 @@ impl SplitFarField {
     ) -> Result<(), DeviceError> {
         let arguments = self.arguments_of(input)?;
         let motions = motions.map(|list| list.address);
-        let task = self.contact_task(input, &Contacts { motions, found: found.address, ..arguments })?;
+        let task = self.contact_task(input, &ContactArguments { motions, found: found.address, ..arguments })?;
         self.launch_contacts("end_contacts_all", &task)
     }
 
@@ -181,14 +162,14 @@ impl SplitFarField {
     }
 
     /// The task with these arguments and the ids of the particles.
-    fn contact_task(&mut self, input: &ContactInput, arguments: &Contacts) -> Result<KernelTask, DeviceError> {
+    fn contact_task(&mut self, input: &ContactInput, arguments: &ContactArguments) -> Result<KernelTask, DeviceError> {
         let ids = self.place_ids(input.ids)?;
         let contacts = self.buffers.contacts.arguments.fill(self.device.as_mut(), bytemuck::bytes_of(arguments))?;
         Ok(KernelTask { ids, contacts, ..self.task })
     }
 
     /// Arguments without loads and motions at the end.
-    fn arguments_of(&mut self, input: &ContactInput) -> Result<Contacts, DeviceError> {
+    fn arguments_of(&mut self, input: &ContactInput) -> Result<ContactArguments, DeviceError> {
         let &ContactInput { law, radii, slots, times, positions, expected, history, previous, .. } = input;
         let (Self { device, buffers, task, .. }, of) = (self, |list: DeviceList| list.address);
         let (places, on, count) = (&mut buffers.contacts, device.as_mut(), task.particles as usize);
@@ -197,7 +178,7 @@ impl SplitFarField {
             *list = buffer.reserve(on, size_of::<i32>() * each * count)?;
         }
         let largest = radii.iter().copied().fold(0.0, f64::max);
-        Ok(Contacts {
+        Ok(ContactArguments {
             positions: of(positions),
             expected: expected.map_or(0, of),
             history: history.map_or(0, of),
@@ -205,7 +186,7 @@ impl SplitFarField {
             radii: places.radii.fill(on, bytemuck::cast_slice(radii))?,
             lists,
             resistances: places.resistances.reserve(on, size_of::<f64>() * RESISTANCES * slots * count)?,
-            sums: places.sums.reserve(on, size_of::<ContactSums>())?,
+            sums: places.sums.reserve(on, size_of::<[u64; SUMS]>())?,
             law,
             times,
             reach: 2.0 * largest * (1.0 + 0.5 * law.roughness),
@@ -213,7 +194,7 @@ impl SplitFarField {
             gradient: input.gradient,
             slots: slots as i64,
             is_hertz: i64::from(input.is_hertz),
-            ..Contacts::zeroed()
+            ..ContactArguments::zeroed()
         })
     }
 }

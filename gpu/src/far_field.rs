@@ -1,7 +1,7 @@
 //! Particles, tables and lists of the split method on a device.
 
 use crate::buffers::{Buffer, KnownBuffer};
-use crate::contacts::ContactBuffers;
+use crate::contact_buffers::ContactBuffers;
 use crate::device::{Device, DeviceError, DeviceInfo, KernelLaunch};
 use crate::krylov_state::KrylovBuffers;
 use crate::lists::DeviceList;

@@ -9,6 +9,7 @@ mod arrangement;
 mod assembly;
 mod buffers;
 mod change;
+mod contact_buffers;
 mod contacts;
 mod copies;
 mod counted;

@@ -50,7 +50,8 @@ impl SurfacePair {
         Self { kind: kind as i64, is_implicit: 0, reach, contact, numbers }
     }
 
-    /// The same, of which predictions take the force at their end or not; a repulsion that screens or a barrier.
+    /// The same, implicit or not: predictions take implicit forces at their end. Only barriers and screened repulsions
+    /// have a stiffness.
     #[must_use]
     pub fn implicit(self, is_implicit: bool) -> Self {
         Self { is_implicit: i64::from(is_implicit), ..self }

@@ -15,15 +15,12 @@ pub trait ContactFarField {
     /// With the place, in the order of ids, of the first particle that has more contacts than slots.
     fn loads(&mut self, touching: &TouchingParticles, steady: Option<&HeldLoads>) -> Result<HeldLoads, usize>;
 
-    /// State of these contacts at the end of the substep, by velocities and angular velocities of the solution relative
-    /// to the background flow.
-    fn ends(&mut self, touching: &TouchingParticles, motions: [&RemoteList; 2]) -> ContactState;
+    /// State of these contacts at the end of the substep, by velocities and angular velocities of the solution
+    /// relative to the background flow: of each particle, in the order of ids, some slots with ten numbers each. These
+    /// are the id of the other particle plus one, or 0 for an empty slot; the tangential force, the rolling force, the
+    /// normal force, and the shares of the two springs.
+    fn ends(&mut self, touching: &TouchingParticles, motions: [&RemoteList; 2]) -> ColumnValues;
 }
-
-/// State of contacts: of each particle, in the order of ids, some slots with ten numbers each: the id of the other
-/// particle plus one, or 0 for an empty slot; the tangential force, the rolling force, the normal force, and the shares
-/// of the two springs.
-pub type ContactState = ColumnValues;
 
 /// Contacts of the arranged particles. Lists are in the order of ids and in the original units.
 #[derive(Clone, Copy)]

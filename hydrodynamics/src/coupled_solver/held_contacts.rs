@@ -14,8 +14,8 @@ pub struct HeldContacts<'a> {
     pub law: &'a Contact,
     /// Largest number of contacts of a particle.
     pub slots: usize,
-    /// Times over which implicit forces are predicted: from the present positions for springs along the line of centres,
-    /// and from the start of the substep for tangential springs; 0 for forces at present.
+    /// Times over which implicit forces are predicted: from the present positions for springs along the line of
+    /// centres, and from the start of the substep for tangential springs; 0 for forces at present.
     pub times: [f64; 2],
     /// Expected velocities with that of the flow; `None` for those of the flow.
     pub expected: Option<&'a RemoteList>,
@@ -35,8 +35,8 @@ pub struct TooManyContacts {
 }
 
 impl CoupledSolver {
-    /// The loads of [`Self::hold_loads`] plus the known parts of contact forces and torques. Their resistances are those
-    /// of the solves that follow at the same positions with [`HeldForces::contacts`].
+    /// The loads of [`Self::hold_loads`] plus the known parts of contact forces and torques. Their resistances are
+    /// those of the solves that follow at the same positions with [`HeldForces::contacts`].
     ///
     /// # Panics
     ///

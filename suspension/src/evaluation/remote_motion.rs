@@ -16,6 +16,8 @@ impl Dynamics {
         if let Some(holder) = self.hydrodynamics.holder() {
             particles.move_to(holder);
             self.hydrodynamics.hold_loads(&self.forces.steady_loads(particles), particles);
+            // Measures of displacements are those of arranged particles.
+            self.hydrodynamics.mobility().follow(self.moving.cell(), particles);
         }
     }
 

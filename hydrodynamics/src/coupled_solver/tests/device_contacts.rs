@@ -9,12 +9,12 @@ use crate::solution::{HeldForces, HeldPrediction};
 use crate::springs::{ContactSprings, TetherResistance};
 use domain::parallel::RowLists;
 use domain::{Random, RemoteList};
-use fcm::{HeldLoads, Mobility, StressletSolver};
-use gpu::Device;
+use fcm::{HeldLoads, Method, Mobility, StressletSolver};
+use gpu::{Counted, Device, contact_bytes};
 use lubrication::{Barrier, Contact, Elasticity, PairKind, SurfaceForce};
 use solver::BackgroundFlow;
 
-/// Times of predictions along the line of centres and across.
+/// Times of predictions along the line of centres and across, in the units of a case.
 const TIMES: [f64; 2] = [0.02, 0.03];
 
 /// Slots of a particle.
@@ -27,6 +27,8 @@ struct Touching {
     law: Contact,
     forces: Vec<TakenForce>,
     flow: BackgroundFlow,
+    /// Units of length and viscosity; the unit of force is 1.
+    units: Units,
 }
 
 /// An image of another sphere as seen by a sphere: its row, and the vector to it.
@@ -39,22 +41,56 @@ fn random(count: usize, seed: u64) -> Vec<Vector> {
     (0..count as u64).map(|row| Random::new(seed, row).point() - Vector::splat(0.5)).collect()
 }
 
+impl Suspension {
+    /// The same in other units of length and viscosity.
+    fn in_units(self, units: &Units) -> Self {
+        let Self { cell, mut particles, plan } = self;
+        let cell = cell.scaled(units.length);
+        particles.positions.iter_mut().for_each(|x| *x *= units.length);
+        particles.radii.iter_mut().for_each(|a| *a *= units.length);
+        particles.wrap(&cell);
+        let radii: Vec<f64> = plan.radii.iter().map(|a| a * units.length).collect();
+        let fixed = Fixed {
+            precision: Some(plan.precision),
+            method: Some(Method::Split),
+            iteration_tolerance: Some(plan.iteration_tolerance),
+            ..Fixed::default()
+        };
+        let of_cell = Problem {
+            edges: cell.edges(),
+            volume: cell.volume(),
+            shortest_vector: Problem::shortest_vector_of(&cell),
+            largest_strain: cell.strain(),
+            viscosity: units.viscosity,
+            fixed,
+            ..problem(cell.edges().x, &radii, 1e-3, 1e-6)
+        };
+        Self { cell, particles, plan: Plan::choose(&of_cell).unwrap() }
+    }
+}
+
 impl Touching {
     fn new(precision: Precision, iteration: f64, is_lubricated: bool, elasticity: Elasticity) -> Self {
         let full = |edge: f64| PeriodicBox::sheared(Vector::splat(0.894 * edge), 0.3).unwrap();
         // No sphere is near two images of another: the host's contacts have the ids of the others.
-        let mut suspension = Suspension::of(28, full, precision, iteration);
+        Self::of(Suspension::of(28, full, precision, iteration), is_lubricated, elasticity, Units::ONE)
+    }
+
+    /// Spheres that are given in units of 1, in others.
+    fn of(mut suspension: Suspension, is_lubricated: bool, elasticity: Elasticity, units: Units) -> Self {
+        if units != Units::ONE {
+            suspension = suspension.in_units(&units);
+        }
         let count = suspension.particles.len() as u64;
         suspension.particles.ids = (0..count).map(|row| 3 * row + 5).collect();
         let barrier = SurfaceForce::Barrier(Barrier::new(30.0, 0.5).unwrap());
-        let screened = SurfaceForce::Screened { strength: 20.0, radius_power: 1, length: 0.05 };
-        // Lubrication ends at smaller gaps than the repulsion.
-        let explicit = SurfaceForce::VanDerWaals { hamaker: 0.6, closest: 0.01, range: 0.5 };
+        let screened = SurfaceForce::Screened { strength: 20.0, radius_power: 0, length: 0.05 * units.length };
+        let explicit = SurfaceForce::Screened { strength: 9.0, radius_power: 0, length: 0.04 * units.length };
         let forces = [(barrier, true), (screened, true), (explicit, false)];
         let law = Contact {
             friction: 0.5,
             roughness: 0.3,
-            stiffness: 150.0,
+            stiffness: 150.0 / units.length.powi(2),
             tangential_ratio: 0.4,
             rolling_friction: 0.3,
             critical_load: 0.0,
@@ -62,10 +98,12 @@ impl Touching {
         };
         Self {
             suspension,
+            // It ends at smaller gaps than springs.
             range: is_lubricated.then(|| LubricationRange::new(0.3, 1e-5).unwrap()),
             law,
             forces: forces.map(|(force, is_implicit)| TakenForce { force, is_implicit }).to_vec(),
-            flow: BackgroundFlow::shear(0.8),
+            flow: BackgroundFlow::shear(0.8 * units.rate()),
+            units,
         }
     }
 
@@ -76,7 +114,7 @@ impl Touching {
     fn solver(&self, device: Option<Box<dyn Device>>) -> CoupledSolver {
         let Suspension { plan, .. } = &self.suspension;
         let partition = self.suspension.partition();
-        let short_range = ShortRange { lubrication: self.range, springs: Some(3.2 * 1.25) };
+        let short_range = ShortRange { lubrication: self.range, springs: Some(3.2 * 1.25 * self.units.length) };
         match device {
             Some(device) => {
                 let far = StressletSolver::of(Mobility::on(device, plan, &partition), partition.comm());
@@ -103,14 +141,19 @@ impl Touching {
         [row, image.other].map(|row| self.suspension.particles.radii[row])
     }
 
+    fn times(&self) -> [f64; 2] {
+        TIMES.map(|time| time / self.units.rate())
+    }
+
     /// Expected velocities relative to the flow.
     fn expected(&self) -> Vec<Vector> {
-        random(self.count(), 4)
+        random(self.count(), 4).into_iter().map(|v| v * self.units.velocity()).collect()
     }
 
     /// Loads besides those of contacts and surfaces.
     fn given(&self) -> Loads {
-        let [forces, torques] = [8, 9].map(|seed| random(self.count(), seed));
+        let [forces, mut torques] = [8, 9].map(|seed| random(self.count(), seed));
+        torques.iter_mut().for_each(|torque| *torque *= self.units.torque());
         Loads { forces, torques, stresslets: Vec::new() }
     }
 
@@ -118,15 +161,15 @@ impl Touching {
     fn surface_resistance(&self, distance: f64, between: [f64; 2]) -> f64 {
         let implicit = self.forces.iter().filter(|taken| taken.is_implicit);
         let gap = distance - between[0] - between[1];
-        implicit.map(|taken| TIMES[0] * taken.force.stiffness(gap, between)).sum()
+        implicit.map(|taken| self.times()[0] * taken.force.stiffness(gap, between)).sum()
     }
 
     fn contact(&self, row: usize, image: &Image) -> Option<ContactSprings> {
         let (between, distance) = (self.between(row, image), image.separation.length());
         let overlap = self.law.overlap(distance, between);
         let [normal, tangential] = [
-            TIMES[0] * self.law.normal_stiffness(overlap, between),
-            TIMES[1] * self.law.tangential_stiffness(overlap, between),
+            self.times()[0] * self.law.normal_stiffness(overlap, between),
+            self.times()[1] * self.law.tangential_stiffness(overlap, between),
         ];
         let other = self.suspension.particles.ids[image.other];
         (overlap > 0.0).then_some(ContactSprings { other, normal, tangential, rolling: tangential })
@@ -197,8 +240,15 @@ impl<'a> OnCard<'a> {
     fn loads(&mut self, slots: usize) -> Result<HeldLoads, TooManyContacts> {
         let Self { case, solver, particles, expected } = self;
         let (law, flow) = (&case.law, &case.flow);
-        let contacts =
-            HeldContacts { law, slots, times: TIMES, expected: Some(expected), history: None, previous: None, flow };
+        let contacts = HeldContacts {
+            law,
+            slots,
+            times: case.times(),
+            expected: Some(expected),
+            history: None,
+            previous: None,
+            flow,
+        };
         solver.contact_loads(&case.suspension.cell, particles, &contacts)
     }
 
@@ -227,7 +277,7 @@ impl<'a> OnCard<'a> {
     fn implicit(&mut self) -> (Solution, Vec<f64>) {
         let (loads, velocities) = (self.loads(SLOTS).unwrap(), self.expected.clone());
         let known = self.solver.holder().unwrap().copies(&[loads.list().unwrap()]).remove(0);
-        let prediction = Some(HeldPrediction { time: TIMES[0], velocities });
+        let prediction = Some(HeldPrediction { time: self.case.times()[0], velocities });
         (self.solution(Some(&HeldForces { prediction, contacts: Some(loads) })), known)
     }
 }
@@ -250,9 +300,71 @@ fn implicit_solutions_are_those_of_the_host() {
     }
 }
 
+/// In units of length and viscosity that are not those of solves.
+#[test]
+fn implicit_solutions_in_other_units_are_those_of_the_host() {
+    let units = Units { length: 12.0, viscosity: 0.3, force: 1.0 };
+    for elasticity in [Elasticity::Linear, Elasticity::Hertz] {
+        let full = |edge: f64| PeriodicBox::sheared(Vector::splat(0.894 * edge), 0.3).unwrap();
+        let suspension = Suspension::of(28, full, Precision::Double, 1e-9);
+        agree(&Touching::of(suspension, true, elasticity, units), 1e-7);
+    }
+}
+
 #[test]
 fn implicit_solutions_in_single_precision_are_those_of_the_host() {
     agree(&Touching::new(Precision::Single, 1e-5, true, Elasticity::Hertz), 1e-4);
+}
+
+/// Two spheres that touch across a box as well, where the contacts differ. Their motions are those under the forces and
+/// torques that the springs exert in these motions.
+#[test]
+fn images_have_their_own_springs() {
+    let mut suspension = Suspension::of(2, |_| cube(4.4), Precision::Double, 1e-10);
+    suspension.particles.positions[0] = Vector::new(0.3, 1.0, 2.0);
+    suspension.particles.positions[1] = Vector::new(2.45, 1.1, 1.8);
+    let case = Touching { forces: Vec::new(), ..Touching::of(suspension, false, Elasticity::Hertz, Units::ONE) };
+    let (sprung, known) = OnCard::new(&case, emulator(5)).implicit();
+    let (v, w) = (&sprung.motion.velocities, &sprung.motion.angular_velocities);
+    let mut loads = Loads::default();
+    for (row, known) in known.as_chunks::<6>().0.iter().enumerate() {
+        let (mut force, mut torque) = (Vector::from_slice(known), Vector::from_slice(&known[3..]));
+        let images = case.images(row);
+        let touching = images.iter().filter_map(|image| Some((image, case.contact(row, image)?)));
+        assert_eq!(touching.clone().count(), 2);
+        for (image, springs) in touching {
+            let (axis, other, arm) = (image.separation.normalize(), image.other, 0.5 * image.separation.length());
+            let moved = v[other] - v[row];
+            let opening = axis.dot(moved);
+            let slip = springs.tangential * (moved - axis * opening - arm * (w[row] + w[other]).cross(axis));
+            let rolling = springs.rolling * (w[other] - w[row]).cross(axis);
+            force += springs.normal * opening * axis + slip;
+            torque += axis.cross(arm * slip + rolling);
+        }
+        loads.forces.push(force);
+        loads.torques.push(torque);
+    }
+    let mut free = OnCard::new(&case, emulator(5));
+    let at_rest = free.solution(None);
+    free.solver.hold_loads(&loads, &free.particles);
+    let pushed = free.solution(None);
+    for ((found, exact), at_rest) in columns(&sprung).iter().zip(&columns(&pushed)).zip(&columns(&at_rest)).take(2) {
+        assert!(relative(found, exact) < 1e-8 && relative(at_rest, exact) > 0.1, "{found:?}, {exact:?}");
+    }
+}
+
+/// Contacts take what the forecast has for them.
+#[test]
+fn contacts_take_what_is_predicted() {
+    let case = Touching::new(Precision::Single, 1e-2, false, Elasticity::Linear);
+    let (device, counts) = Counted::new(emulator(1));
+    let mut card = OnCard::new(&case, Box::new(device));
+    card.solver.mobility().follow(&case.suspension.cell, &card.particles);
+    let before = counts.borrow().memory[1];
+    card.loads(SLOTS).unwrap();
+    let (found, expected) = (counts.borrow().memory[1] - before, (case.count() * contact_bytes(SLOTS)) as u64);
+    // Arguments, radii and sums are left out.
+    assert!((expected..expected + 500).contains(&found), "{found} bytes, {expected} expected");
 }
 
 /// Springs act in solves with a prediction alone, and solutions have the same bits in any order of threads.

@@ -1,9 +1,9 @@
 //! Contacts and springs of particles that move on a device.
 
 use super::{DeviceFarField, succeeded};
-use crate::mobility::contacts::{ContactFarField, ContactState, TouchingParticles};
+use crate::mobility::contacts::{ContactFarField, TouchingParticles};
 use crate::mobility::coupled::{HeldLoads, PredictedVelocities};
-use domain::RemoteList;
+use domain::{ColumnValues, RemoteList};
 use gpu::{CONTACT_NUMBERS, ContactInput, ContactLoads, DeviceList, PredictedMotion};
 
 impl ContactFarField for DeviceFarField {
@@ -18,13 +18,13 @@ impl ContactFarField for DeviceFarField {
         crowded.map_or(Ok(loads), Err)
     }
 
-    fn ends(&mut self, touching: &TouchingParticles, motions: [&RemoteList; 2]) -> ContactState {
+    fn ends(&mut self, touching: &TouchingParticles, motions: [&RemoteList; 2]) -> ColumnValues {
         let radii = self.radii_in(touching);
         let input = self.contact_input(touching, &radii);
         let motions = motions.map(|list| self.kept.held(list));
         let found = self.kept.list(CONTACT_NUMBERS * touching.slots * self.particles.len());
         succeeded(self.split.borrow_mut().contact_ends(&input, motions, &found));
-        ContactState::remote(self.kept.keep(found))
+        ColumnValues::remote(self.kept.keep(found))
     }
 }
 
