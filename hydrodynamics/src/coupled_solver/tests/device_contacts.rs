@@ -152,8 +152,8 @@ impl Touching {
 
     /// Loads besides those of contacts and surfaces.
     fn given(&self) -> Loads {
-        let [forces, mut torques] = [8, 9].map(|seed| random(self.count(), seed));
-        torques.iter_mut().for_each(|torque| *torque *= self.units.torque());
+        let [forces, torques] = [8, 9].map(|seed| random(self.count(), seed));
+        let torques = torques.into_iter().map(|torque| torque * self.units.torque()).collect();
         Loads { forces, torques, stresslets: Vec::new() }
     }
 
