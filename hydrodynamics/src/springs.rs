@@ -1,5 +1,6 @@
 //! Implicit treatment of short-range forces.
 
+use domain::Units;
 use domain::parallel::RowLists;
 use lubrication::PairKind;
 
@@ -20,6 +21,8 @@ pub struct Springs<'a> {
 pub struct ContactSprings {
     /// Id of the other particle, or the id that stands for a wall.
     pub other: u64,
+    /// Distance below which an image of the other particle is the one in contact.
+    pub within: f64,
     /// Resistance along the line of centres.
     pub normal: f64,
     /// Resistance to slip, the relative velocity of the surfaces at the point of contact, which divides the distance of
@@ -75,11 +78,12 @@ impl ContactSprings {
         (1 << 52) + wall as u64
     }
 
-    /// These resistances in another unit of velocity.
+    /// These springs in other units of length and velocity.
     #[must_use]
-    pub fn times(&self, unit: f64) -> Self {
-        let Self { other, normal, tangential, rolling } = *self;
-        Self { other, normal: normal * unit, tangential: tangential * unit, rolling: rolling * unit }
+    pub fn in_units(&self, units: &Units) -> Self {
+        let [normal, tangential, rolling] =
+            [self.normal, self.tangential, self.rolling].map(|resistance| resistance * units.velocity());
+        Self { within: self.within / units.length, normal, tangential, rolling, ..*self }
     }
 }
 
@@ -101,7 +105,8 @@ impl Springs<'_> {
 
     /// Resistances without bonds: along the line of centres, to slip, and to rolling.
     fn of(&self, row: usize, other: u64, distance: f64, between: PairKind) -> [f64; 3] {
-        let contact = self.contacts.of(row).iter().find(|contact| contact.other == other);
+        let is_this = |contact: &&ContactSprings| contact.other == other && distance < contact.within;
+        let contact = self.contacts.of(row).iter().find(is_this);
         let [normal, tangential, rolling] = contact.map_or([0.0; 3], |c| [c.normal, c.tangential, c.rolling]);
         [(self.resistance)(distance, between) + normal, tangential, rolling]
     }

@@ -96,7 +96,7 @@ pub fn resistance<'a>(springs: &'a Springs<'a>, units: &Units) -> impl Fn(f64, P
 
 /// Contact springs of a rank's particles in scaled units.
 pub fn contacts(springs: &Springs, units: &Units) -> RowLists<ContactSprings> {
-    springs.contacts.mapped(|contact| contact.times(units.velocity()))
+    springs.contacts.mapped(|contact| contact.in_units(units))
 }
 
 /// Bonds and traps of a rank's particles in scaled units.

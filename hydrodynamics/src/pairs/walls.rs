@@ -214,7 +214,8 @@ mod tests {
     /// A sphere that rolls on a wall without slip meets no resistance of the tangential spring.
     #[test]
     fn springs_resist_slip_rolling_and_approach() {
-        let contact = |other| ContactSprings { other, normal: 3.0, tangential: 5.0, rolling: 0.0 };
+        let contact =
+            |other| ContactSprings { other, within: f64::INFINITY, normal: 3.0, tangential: 5.0, rolling: 0.0 };
         let contacts = [vec![contact(ContactSprings::wall(0))], vec![], vec![]].into_iter().collect();
         let tethers = TetherResistance::default();
         let springs = Springs { resistance: &|_, _| 2.0, contacts: &contacts, tethers: &tethers };

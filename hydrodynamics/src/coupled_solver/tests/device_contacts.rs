@@ -172,7 +172,8 @@ impl Touching {
             self.times()[1] * self.law.tangential_stiffness(overlap, between),
         ];
         let other = self.suspension.particles.ids[image.other];
-        (overlap > 0.0).then_some(ContactSprings { other, normal, tangential, rolling: tangential })
+        let within = 1.01 * distance;
+        (overlap > 0.0).then_some(ContactSprings { other, within, normal, tangential, rolling: tangential })
     }
 
     /// All loads on the spheres at known velocities: those given, and forces of surfaces and contacts without friction

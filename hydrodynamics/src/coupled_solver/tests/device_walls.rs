@@ -138,7 +138,7 @@ fn springs_at_walls_are_in_the_rows() {
     let suspension = at_walls(Boundaries::Walls, Precision::Double, 1e-7);
     let Suspension { cell, particles, .. } = &suspension;
     let resistance = |distance: f64, _: lubrication::PairKind| 3.0 * (2.5 - distance).max(0.0);
-    let touching = |other| ContactSprings { other, normal: 2.0, tangential: 5.0, rolling: 3.0 };
+    let touching = |other| ContactSprings { other, within: f64::INFINITY, normal: 2.0, tangential: 5.0, rolling: 3.0 };
     let mut contacts = vec![Vec::new(); particles.len()];
     (contacts[0], contacts[1]) = (vec![touching(1)], vec![touching(0)]);
     contacts[lowest(&suspension)].push(touching(ContactSprings::wall(0)));

@@ -326,7 +326,7 @@ fn springs_and_traps_are_in_the_rows() {
     let resistance = |distance: f64, _: lubrication::PairKind| 3.0 * (3.0 - distance).max(0.0);
     let traps = particles.ids.iter().map(|id| 0.1 * (1 + id % 3) as f64).collect();
     // Of the pair near contact, and of another one whose lubrication is soft or absent.
-    let touching = |other| ContactSprings { other, normal: 2.0, tangential: 5.0, rolling: 3.0 };
+    let touching = |other| ContactSprings { other, within: f64::INFINITY, normal: 2.0, tangential: 5.0, rolling: 3.0 };
     let mut contacts = vec![Vec::new(); particles.len()];
     (contacts[0], contacts[1]) = (vec![touching(1)], vec![touching(0)]);
     let distance = |other: usize| cell.nearest_image(particles.positions[other] - particles.positions[2]).length();

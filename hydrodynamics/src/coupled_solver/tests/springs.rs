@@ -27,7 +27,13 @@ fn contacts_push_and_turn_as_the_motions_say() {
         };
         let springs = |i: usize, j: usize| {
             let k = unit * (i + j + 2) as f64;
-            ContactSprings { other: particles.ids[j], normal: 3.0 * k, tangential: 5.0 * k, rolling: 2.0 * k }
+            ContactSprings {
+                other: particles.ids[j],
+                within: f64::INFINITY,
+                normal: 3.0 * k,
+                tangential: 5.0 * k,
+                rolling: 2.0 * k,
+            }
         };
         let contacts = RowLists::of_rows(count, |i, list| {
             list.extend((0..count).filter(|&j| touch(i, j).is_some()).map(|j| springs(i, j)));

@@ -13,6 +13,9 @@ use lubrication::Contact;
 /// Rows whose contacts one thread stores at a time.
 const STORED: usize = 64;
 
+/// Distance up to which an image of another sphere or a wall is the one in contact, over that of the contact.
+const WITHIN: f64 = 1.01;
+
 /// Contacts at the positions of an evaluation, with forces predicted for the end of the substep.
 pub struct ContactForcing {
     touching: AllTouching,
@@ -57,7 +60,8 @@ impl ContactForcing {
         let prediction = self.prediction;
         self.touching.list.mapped(|contact| {
             let [normal, tangential, rolling] = prediction.resistances(contact);
-            ContactSprings { other: contact.other, normal, tangential, rolling }
+            let within = WITHIN * (contact.arms[0] + contact.arms[1]);
+            ContactSprings { other: contact.other, within, normal, tangential, rolling }
         })
     }
 

@@ -8,7 +8,9 @@ use lubrication::Elasticity;
 
 /// Spheres in shear at a volume fraction of 40%, by implicit steps.
 fn dense(change: impl FnOnce(&mut Parameters)) -> Model {
-    model([30, 14], |parameters| {
+    model([10, 6], |parameters| {
+        // Spheres are near several images of others, of which one is in contact.
+        parameters.cell = PeriodicBox::new(Vector::splat(6.5)).unwrap();
         parameters.flow = Flow::Shear { rate: 1.0, lees_edwards: true };
         parameters.hydrodynamics.lubrication = true;
         parameters.integrator = Integrator::Implicit(Adaptive::default());
@@ -49,11 +51,16 @@ fn rolling() -> Model {
     })
 }
 
-/// A stiffness that adapts, without lubrication.
+/// A stiffness that adapts.
 fn adapting() -> Model {
+    dense(|parameters| parameters.contacts = Some(Contacts { stiffness: None, ..touching() }))
+}
+
+/// Implicit repulsion alone, without lubrication.
+fn alone() -> Model {
     dense(|parameters| {
         parameters.hydrodynamics.lubrication = false;
-        parameters.contacts = Some(Contacts { stiffness: None, ..touching() });
+        parameters.repulsion = Some(Repulsion { range: Some(0.2), ..Repulsion::new(300.0) });
     })
 }
 
@@ -85,7 +92,7 @@ fn difference(name: &str, runs: [&Suspension; 2]) -> f64 {
 /// the far field, or to that of solves.
 #[test]
 fn spheres_move_as_on_the_host() {
-    for model in [repelling(), frictional(), rolling(), adapting(), explicit()] {
+    for model in [repelling(), alone(), frictional(), rolling(), adapting(), explicit()] {
         agree(&model, 1e-3);
     }
 }
@@ -93,7 +100,7 @@ fn spheres_move_as_on_the_host() {
 /// The same in `f64`.
 #[test]
 fn spheres_move_as_on_the_host_in_double_precision() {
-    for model in [repelling(), frictional(), rolling(), adapting(), explicit()] {
+    for model in [repelling(), alone(), frictional(), rolling(), adapting(), explicit()] {
         agree(&exact(&model), 1e-6);
     }
 }
@@ -101,7 +108,7 @@ fn spheres_move_as_on_the_host_in_double_precision() {
 fn agree(model: &Model, allowed: f64) {
     let start = started(model, None);
     let [mut host, mut card] = [started(model, None), on(started(model, None), emulator(1).0)];
-    for step in 0..4 {
+    for step in 0..2 {
         for run in [&mut host, &mut card] {
             run.step().unwrap();
         }
@@ -121,18 +128,16 @@ fn agree(model: &Model, allowed: f64) {
             assert!((of_card / of_host - 1.0).abs() < 10.0 * allowed, "{of_card} and {of_host}");
         }
     }
-    let mut contacts = started(model, None);
-    let touch = contacts.dynamics.contact_statistics(&contacts.particles.clone());
-    assert!(touch.is_none_or(|touch| touch.numbers(&Comm::alone())[0] > 1.0), "spheres touch from the start");
-    contacts.step().unwrap();
+    let touch = host.dynamics.contact_statistics(host.particles());
+    assert!(touch.is_none_or(|touch| touch.numbers(&Comm::alone())[0] > 0.5), "most spheres touch");
 }
 
 /// A step copies settings and sums, however many spheres there are.
 #[test]
 fn particles_stay_on_the_card() {
-    for model in [repelling(), frictional(), rolling(), adapting(), explicit()] {
+    for model in [repelling(), alone(), frictional(), rolling(), adapting(), explicit()] {
         let (device, counts) = emulator(1);
-        let mut card = advanced(on(started(&model, None), device), STEPS + 2);
+        let mut card = advanced(on(started(&model, None), device), 2);
         let before = counts.borrow().clone();
         card.step().unwrap();
         let after = counts.borrow().clone();
@@ -149,12 +154,12 @@ fn particles_stay_on_the_card() {
 /// read after each step too, and one that goes back to the start of a step that was interrupted.
 #[test]
 fn a_resumed_run_has_the_same_bits() {
-    for model in [frictional(), rolling()] {
+    for model in [frictional(), explicit()] {
         let state = advanced(on(started(&model, None), emulator(1).0), 3).state();
         for steps in 0..3 {
             let mut part = advanced(on(started(&model, None), emulator(2).0), steps);
             let mut resumed = advanced(on(started(&model, Some(&mut part)), emulator(3).0), 3 - steps);
-            assert_eq!(resumed.state(), state);
+            assert!(resumed.state() == state, "resumed after {steps} steps");
         }
         let mut read = on(started(&model, None), emulator(1).0);
         let mut interrupted = on(started(&model, None), emulator(1).0);
@@ -167,14 +172,14 @@ fn a_resumed_run_has_the_same_bits() {
                 let before = (step == 1).then(|| by_id(&interrupted.state().particles));
                 interrupted.step().unwrap_err();
                 if let Some(before) = before {
-                    assert_eq!(by_id(&interrupted.state().particles), before);
+                    assert!(by_id(&interrupted.state().particles) == before, "as before the step");
                 }
             }
             interrupted.listen(Interrupt::NEVER);
             interrupted.step().unwrap();
         }
-        assert_eq!(read.state(), state);
-        assert_eq!(interrupted.state(), state);
+        assert!(read.state() == state, "read in each step");
+        assert!(interrupted.state() == state, "interrupted");
     }
 }
 
@@ -188,8 +193,9 @@ fn spheres_cross_faces_as_on_the_host() {
         parameters.integrator = Integrator::Implicit(Adaptive::UNLIMITED);
     });
     let model = exact(&model);
-    let [start, host] = [0, STEPS].map(|steps| advanced(started(&model, None), steps));
-    let card = advanced(on(started(&model, None), emulator(1).0), STEPS);
+    let [start, host] = [0, 4].map(|steps| advanced(started(&model, None), steps));
+    let card = advanced(on(started(&model, None), emulator(1).0), 4);
+    println!("{:e} of {:e}", distance(&card, &host), distance(&start, &host));
     assert!(distance(&card, &host) < 1e-5 * distance(&start, &host));
     let steps = [&card, &host].map(|run| run.gathered(None).steps);
     assert_eq!(steps[0], steps[1]);
@@ -202,7 +208,7 @@ fn spheres_cross_faces_as_on_the_host() {
 fn failures_are_those_of_the_host() {
     let model = dense(|parameters| {
         parameters.contacts = Some(Contacts { stiffness: Some(1e16), ..touching() });
-        parameters.flow = Flow::Shear { rate: 1e14, lees_edwards: true };
+        parameters.flow = Flow::Shear { rate: 1e4, lees_edwards: true };
         parameters.time_step = 1e-2;
     });
     let (mut host, mut card) = (started(&model, None), on(started(&model, None), emulator(1).0));
