@@ -286,14 +286,3 @@ fn a_resumed_run_has_the_same_bits() {
     let on_host = advanced(started(&model, Some(&mut part)), STEPS - 2);
     assert!(distance(&whole, &on_host) < 1e-4 * distance(&whole, &started(&model, None)));
 }
-
-/// Implicit steps, whose resistances need the pairs, keep the forces on the host.
-#[test]
-fn implicit_steps_keep_their_pairs() {
-    let implicit = model([4, 2], |parameters| {
-        parameters.repulsion = Some(Repulsion::new(30.0));
-        parameters.integrator = Integrator::Implicit(Adaptive::default());
-    });
-    let run = on(started(&implicit, None), emulator(1).0);
-    assert!(run.dynamics.forces().near_in_solves(&run.particles, run.dynamics.domain()).is_some());
-}

