@@ -68,10 +68,6 @@ pub struct NearSize {
 /// Brownian steps have fewer: random motions and loads, in place of older solutions.
 pub const HISTORY_BYTES: f64 = (size_of::<f64>() * (KEPT + MOVING) + 3 * size_of::<i32>()) as f64;
 
-/// Bytes of a particle in columns that steps with several solves keep besides those: of the start of the step, of the
-/// start of the substep, and of the present.
-pub const SUBSTEP_BYTES: f64 = (size_of::<f64>() * (KEPT + MOVING)) as f64;
-
 /// Bytes of a particle in contacts with this many slots: the lists of an evaluation, and the states of contacts at the
 /// start of the step, at the start of the substep and at its end.
 pub fn bytes_of_contacts(slots: usize) -> f64 {

@@ -295,9 +295,8 @@ impl Share<'_> {
 
     /// What steps keep on a card.
     fn steps_on_card(&self) -> CardSteps {
-        let has_substeps = matches!(self.model.integrator, Integrator::Implicit(_) | Integrator::Adaptive(_));
         let slots = Contacts::of(self.model).map_or(0, |contacts| contacts.slots_of(self.expected.total() as usize));
-        CardSteps { random_vectors: self.random_vectors(), has_substeps, slots }
+        CardSteps { random_vectors: self.random_vectors(), slots }
     }
 
     fn is_implicit(&self) -> bool {
