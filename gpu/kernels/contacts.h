@@ -293,7 +293,8 @@ static __device__ void contact_loads(const Task &task)
         contacts.loads[SIX * (long long)row + k] = load[k];
         if (fabs(load[k]) > largest) largest = fabs(load[k]);
     }
-    atomicMax(&contacts.sums->largest, (unsigned long long)__double_as_longlong(largest));
+    unsigned long long bits = (unsigned long long)__double_as_longlong(largest);
+    if (bits > *(volatile unsigned long long *)&contacts.sums->largest) atomicMax(&contacts.sums->largest, bits);
 }
 
 // Limits a force to a magnitude. Returns its share that remains.

@@ -9,8 +9,6 @@ struct PredictedMotion {
     // Velocity gradient of the background by rows in the units of the host; the factor of velocities from these units to
     // those of the solve, and the time in the latter.
     double gradient[9], velocity, time;
-    // Whether there are forces between surfaces.
-    long long has_surface;
 };
 
 // Velocity relative to the background of a particle with a place, from one with that of the background.

@@ -51,7 +51,7 @@ static __device__ const SurfacePair *laws_of(const Task &task, int row, int othe
 // Decrease of the implicit forces of a pair, while it separates with unit velocity, over the time of a prediction.
 static __device__ double surface_resistance(const Task &task, int row, int other, double distance)
 {
-    if (!task.predicted || !task.predicted->has_surface) return 0;
+    if (!task.predicted) return 0;
     const SurfacePair *laws = laws_of(task, row, other);
     double sum = 0;
     for (int k = 0; k < task.surface_count; k++)

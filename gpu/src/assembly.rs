@@ -71,9 +71,10 @@ impl SplitFarField {
             self.task.contacts = self.buffers.contacts.address();
             reach = reach.max(self.near.reach_of_contacts);
         }
-        if let Some(predicted) = &input.predicted {
-            self.task.predicted = self.place_predicted(predicted, input.surface)?;
-            reach = reach.max(input.surface.map_or(0.0, SurfaceLaws::implicit_reach));
+        let implicit = input.surface.filter(|laws| laws.implicit_reach() > 0.0);
+        if let Some((predicted, laws)) = input.predicted.as_ref().zip(implicit) {
+            self.task.predicted = self.place_predicted(predicted, laws)?;
+            reach = reach.max(laws.implicit_reach());
         }
         let has_springs = self.task.contacts != 0 || self.task.predicted != 0;
         assert!(!has_springs || self.task.near_kinds != 0, "the tables have the pairs of classes of springs");

@@ -24,7 +24,7 @@ pub const PAST: usize = 3;
 
 /// Numbers of a particle in all columns of a solution, and in those from which a solve starts.
 pub(crate) const SOLUTION: usize = 3 * 5 + 6 * 3;
-const GUESS: usize = 5 + 4 * 3;
+pub(crate) const GUESS: usize = 5 + 4 * 3;
 
 /// Numbers of a particle that steps keep besides a new solution: the one before, and the columns from which solves
 /// start of those before it, one more than are extrapolated while a step may fail.

@@ -69,7 +69,9 @@ pub use images::ImageLists;
 pub use krylov::{KrylovOperator, ParticleDraw};
 pub use krylov_state::MOST_VECTORS;
 pub use lists::{DeviceList, MotionLists};
-pub use memory::{EvaluationBytes, EvaluationSize, HISTORY_BYTES, NearSize, SolveKind, bytes_of_contacts};
+pub use memory::{
+    EvaluationBytes, EvaluationSize, HISTORY_BYTES, NearSize, SUBSTEP_BYTES, SolveKind, bytes_of_contacts,
+};
 pub use near::{PairLimits, PairSolve, PairVectors};
 pub use near_tables::{NearKind, NearTables};
 pub use overlaps::{CloseSpheres, OverlapLimits};

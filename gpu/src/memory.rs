@@ -5,7 +5,7 @@ use crate::contacts::{CONTACT_NUMBERS, contact_bytes};
 use crate::coupled::{RESIDUALS, RESULTS, UNKNOWNS};
 use crate::displace::MOVING;
 use crate::groups::group_bytes;
-use crate::history::{ARGUMENT_BYTES, KEPT, SOLUTION};
+use crate::history::{ARGUMENT_BYTES, GUESS, KEPT, SOLUTION};
 use crate::krylov::krylov_bytes;
 use crate::pair_rows::PAIR_NUMBERS;
 use crate::tables::{AMPLITUDES, COLUMN_NUMBERS, NumberFormat};
@@ -67,6 +67,11 @@ pub struct NearSize {
 /// returns among them, and in those of its motion, with three integers: its steps across the faces of the box.
 /// Brownian steps have fewer: random motions and loads, in place of older solutions.
 pub const HISTORY_BYTES: f64 = (size_of::<f64>() * (KEPT + MOVING) + 3 * size_of::<i32>()) as f64;
+
+/// Bytes of a particle in columns that steps with several solves keep besides: two more past solutions, the mean and
+/// the expected velocity before and after a displacement, displacements that separate spheres, and positions and lattice
+/// steps at the start of a substep.
+pub const SUBSTEP_BYTES: f64 = (size_of::<f64>() * (2 * GUESS + 2 * 2 * 3 + 3 + 6)) as f64;
 
 /// Bytes of a particle in contacts with this many slots: the lists of an evaluation, and the states of contacts at the
 /// start of the step, at the start of the substep and at its end.

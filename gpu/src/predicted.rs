@@ -31,23 +31,19 @@ struct Arguments {
     gradient: [f64; 9],
     factor: f64,
     time: f64,
-    has_surface: i64,
 }
 
 impl SplitFarField {
-    /// Copies predicted motions, and the laws of forces between surfaces if there are any. Returns their place.
+    /// Copies predicted motions, and the laws of forces between surfaces. Returns their place.
     pub(crate) fn place_predicted(
         &mut self,
         predicted: &PredictedMotion,
-        surface: Option<&SurfaceLaws>,
+        laws: &SurfaceLaws,
     ) -> Result<DeviceAddress, DeviceError> {
-        if let Some(laws) = surface {
-            self.copy_laws(laws)?;
-        }
+        self.copy_laws(laws)?;
         let &PredictedMotion { positions, velocities, gradient, factor, time } = predicted;
         let (positions, velocities) = (positions.address, velocities.address);
-        let has_surface = i64::from(surface.is_some());
-        let arguments = Arguments { positions, velocities, gradient, factor, time, has_surface };
+        let arguments = Arguments { positions, velocities, gradient, factor, time };
         self.buffers.predicted.fill(self.device.as_mut(), bytemuck::bytes_of(&arguments))
     }
 }

@@ -58,8 +58,8 @@ pub fn solve_bytes(far: &Footprint, expected: &ExpectedCounts, range: Lubricatio
     lists.then(pairs.then(given).then(residual).then(unknowns).then(passes).freed())
 }
 
-/// Memory that a solve takes of a card, with lubrication at the gaps of a range if there is one, and what steps keep or
-/// draw there; none if the plan is for the host. Without lubrication the
+/// Memory that a solve takes of a card, with lubrication at the gaps of a range if there is one, and that steps take
+/// there; none if the plan is for the host. Without lubrication the
 /// iteration has the same vectors, and no pairs. Collective.
 pub fn card(
     far: &Footprint,

@@ -56,7 +56,8 @@ impl<'a> Footprint<'a> {
     }
 
     /// Memory that a solve takes of a card, if the plan is for one, with near pairs and, for spheres with stresslets,
-    /// the vectors of the iteration, and what steps keep or draw there. Several ranks have these on the host. Collective.
+    /// the vectors of the iteration, and what steps keep or draw there. Several ranks have these on the host.
+    /// Collective.
     pub fn card(
         &self,
         near: NearPairCounts,

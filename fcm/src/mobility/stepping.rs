@@ -17,7 +17,7 @@ pub struct HeldVelocities<'a> {
     pub positions: &'a RemoteList,
     /// Velocities with that of the flow, up to [`DISPLACED`] columns.
     pub columns: &'a [RemoteList],
-    /// The background flow.
+    /// The flow by which periodic images move relative to their particles.
     pub flow: &'a BackgroundFlow,
 }
 

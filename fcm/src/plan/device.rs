@@ -9,7 +9,8 @@ use crate::plan::problem::{Precision, Problem};
 use crate::plan::{Plan, PlanError};
 use domain::{Boundaries, Comm, Place, readable_bytes};
 use gpu::{
-    DeviceError, DeviceInfo, EvaluationSize, HISTORY_BYTES, NearSize, NumberFormat, SolveKind, bytes_of_contacts,
+    DeviceError, DeviceInfo, EvaluationSize, HISTORY_BYTES, NearSize, NumberFormat, SUBSTEP_BYTES, SolveKind,
+    bytes_of_contacts,
 };
 
 /// Largest number of radii of which a device has tables for all pairs.
@@ -74,6 +75,8 @@ pub struct NearPairCounts {
 pub struct CardSteps {
     /// Vectors of the basis of the square roots by which random motions are drawn; 0 without such motions.
     pub random_vectors: f64,
+    /// Whether steps have several solves.
+    pub has_substeps: bool,
     /// Contacts of a particle at most; 0 without contacts.
     pub slots: usize,
 }
@@ -81,7 +84,9 @@ pub struct CardSteps {
 impl CardSteps {
     /// Bytes of a particle in the columns that steps keep, with the lists of contacts.
     fn bytes(&self) -> f64 {
-        HISTORY_BYTES + if self.slots > 0 { bytes_of_contacts(self.slots) } else { 0.0 }
+        let of_substeps = if self.has_substeps { SUBSTEP_BYTES } else { 0.0 };
+        let of_contacts = if self.slots > 0 { bytes_of_contacts(self.slots) } else { 0.0 };
+        HISTORY_BYTES + of_substeps + of_contacts
     }
 }
 

@@ -82,7 +82,7 @@ impl CoupledSolver {
         near
     }
 
-    /// Whether free particles without springs can move where the far field is evaluated, in a periodic box.
+    /// Whether free particles can move where the far field is evaluated, in a periodic box.
     pub fn moves_particles(&mut self) -> bool {
         let is_periodic = self.far.mobility().plan().boundaries == Boundaries::Periodic;
         is_periodic && self.solves_on_device(&SolveInput::new(&Loads::default(), StrainRate::default()))
@@ -105,15 +105,15 @@ impl CoupledSolver {
     }
 }
 
-/// Tables of the near field between spheres of some radii, if there is one, and their single resistances.
+/// Tables of the near field between spheres of some radii, with lubrication if it has some, and the resistances of
+/// single spheres.
 pub(super) fn near_tables(near: Option<&NearField>, viscosity: f64, radii: &[f64]) -> NearTables {
     let SingleSpheres { motion, strain } = SingleSpheres::new(viscosity, radii);
     let alone = motion.iter().zip(&strain).map(|(motion, &strain)| [motion.0[0], motion.0[3], strain]);
     let resistances = alone.collect();
     match near {
         Some(NearField { lubrication: Some(lubrication), .. }) => lubrication.tables(viscosity, resistances),
-        Some(_) => device_tables::without_lubrication(radii, resistances),
-        None => NearTables { resistances, ..NearTables::default() },
+        _ => device_tables::without_lubrication(radii, resistances),
     }
 }
 

@@ -25,6 +25,7 @@ pub struct HeldApproach {
     steps: Rc<dyn HeldSteps>,
     positions: RemoteList,
     columns: Vec<RemoteList>,
+    /// The flow by which images move relative to their particles.
     flow: BackgroundFlow,
     /// Distance of centres up to which pairs are considered.
     reach: f64,
@@ -127,7 +128,7 @@ impl Dynamics {
         self.hydrodynamics.mobility().follow(self.moving.cell(), particles);
         let positions = particles.positions.remote_list().expect(ELSEWHERE).clone();
         let columns = columns.map(|name| self.held_column(particles, name, 3)).into();
-        HeldApproach { steps: self.steps(), positions, columns, flow: *self.moving.flow(), reach }
+        HeldApproach { steps: self.steps(), positions, columns, flow: self.moving.flow_of_images(), reach }
     }
 
     /// Measures of displacements where particles move.

@@ -60,7 +60,8 @@ pub struct Dynamics {
     forces: Forces,
     swimmers: Option<Swimmers>,
     is_implicit: bool,
-    /// Whether steps need the pairs of forces here: implicit ones, and Brownian ones with two evaluations.
+    /// Whether steps of particles that move here need the pairs of forces here: implicit ones, and Brownian ones with
+    /// two evaluations.
     needs_pairs: bool,
     hydrodynamics: CoupledSolver,
     lubrication: Option<LubricationRange>,

@@ -45,6 +45,8 @@ impl Dynamics {
         guess: Guess,
         moment: &StageTime,
     ) -> Result<(Outcome, Option<Comparison>), StepError> {
+        // The states that an earlier solve of this substep found.
+        particles.remove(|name| name == FOUND);
         let velocities = moment.implicit.map(|time| (time, self.held_column(particles, EXPECTED, 3)));
         let lists = self.contact_lists(particles, moment);
         let contacts = match &lists {

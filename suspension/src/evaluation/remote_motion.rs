@@ -2,13 +2,14 @@
 
 use super::Dynamics;
 use super::checks::FARTHEST;
+use crate::forces::contacts::{CONTACT_NUMBERS, CONTACTS};
 use crate::{bodies, rotation};
 use domain::Particles;
 
 impl Dynamics {
     /// Moves particles to where the far field is evaluated, if nothing else needs their positions in each step: free
-    /// spheres without orientations, in explicit or implicit steps or those of the Brownian midpoint scheme, whose forces
-    /// are steady or added there. Between steps.
+    /// spheres without orientations, in explicit or implicit steps or those of the Brownian midpoint scheme, whose
+    /// forces are steady or added there. Between steps.
     pub(super) fn move_to_far_field(&mut self, particles: &mut Particles) {
         if particles.are_remote() || !self.moves_remotely(particles) {
             return;
@@ -31,7 +32,15 @@ impl Dynamics {
             && are_free
             && !are_placed_by_flow
             && !self.forces.need_positions(self.is_implicit)
+            && self.fits_slots(particles)
             && self.hydrodynamics.moves_particles()
+    }
+
+    /// Whether the states of contacts, which a run with other spheres may have left, have as many slots as those here.
+    fn fits_slots(&self, particles: &Particles) -> bool {
+        let width = self.forces.contacts.as_ref().map(|contacts| CONTACT_NUMBERS * contacts.slots());
+        let known = particles.columns.iter().find(|column| column.name == CONTACTS);
+        width.zip(known).is_none_or(|(width, known)| known.width == width)
     }
 
     /// Wraps particles into the box at a time where they move. Returns whether they still do: particles that are lost,

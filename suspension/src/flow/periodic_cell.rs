@@ -295,8 +295,13 @@ impl PeriodicCell {
 
     /// Velocity of the image `steps` lattice vectors away, relative to its particle.
     pub fn velocity_of_image(&self, steps: [i32; 3]) -> Vector {
+        self.flow_of_images().velocity(self.cell.lattice(steps))
+    }
+
+    /// The flow by which images move relative to their particles.
+    pub fn flow_of_images(&self) -> BackgroundFlow {
         let moves = matches!(self.motion, CellMotion::Shearing) && !self.advects();
-        if moves { self.flow.velocity(self.cell.lattice(steps)) } else { Vector::ZERO }
+        if moves { self.flow } else { BackgroundFlow::NONE }
     }
 
     fn shape_at(&self, time: f64) -> (PeriodicBox, Vectors) {

@@ -293,10 +293,11 @@ impl Share<'_> {
         if self.is_brownian() { VECTORS } else { 0.0 }
     }
 
-    /// What steps keep on a card.
+    /// Memory of a card that steps take.
     fn steps_on_card(&self) -> CardSteps {
         let slots = Contacts::of(self.model).map_or(0, |contacts| contacts.slots_of(self.expected.total() as usize));
-        CardSteps { random_vectors: self.random_vectors(), slots }
+        let has_substeps = matches!(self.model.integrator, Integrator::Implicit(_) | Integrator::Adaptive(_));
+        CardSteps { random_vectors: self.random_vectors(), has_substeps, slots }
     }
 
     fn is_implicit(&self) -> bool {

@@ -266,6 +266,7 @@ fn spheres_between_walls_move_as_on_the_host() {
         let [start, host] = [0, 3].map(|steps| advanced(started(&model, None), steps));
         let (device, counts) = emulator(1);
         let mut card = advanced(on(started(&model, None), device), 3);
+        assert!(!card.particles.are_remote());
         assert!(distance(&card, &host) < 1e-3 * distance(&start, &host));
         assert!(counts.borrow().runs["coupled_image_f32"] > 3);
         let mut part = advanced(on(started(&model, None), emulator(2).0), 2);

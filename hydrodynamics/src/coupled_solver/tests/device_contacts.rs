@@ -172,7 +172,7 @@ impl Touching {
             self.times()[1] * self.law.tangential_stiffness(overlap, between),
         ];
         let other = self.suspension.particles.ids[image.other];
-        let within = 1.01 * distance;
+        let within = (1.0 + 1e-9) * distance;
         (overlap > 0.0).then_some(ContactSprings { other, within, normal, tangential, rolling: tangential })
     }
 

@@ -13,8 +13,9 @@ use lubrication::Contact;
 /// Rows whose contacts one thread stores at a time.
 const STORED: usize = 64;
 
-/// Distance up to which an image of another sphere or a wall is the one in contact, over that of the contact.
-const WITHIN: f64 = 1.01;
+/// Distance up to which an image of another sphere or a wall is the one in contact, over that of the contact: larger by
+/// round-off.
+const WITHIN: f64 = 1.0 + 1e-9;
 
 /// Contacts at the positions of an evaluation, with forces predicted for the end of the substep.
 pub struct ContactForcing {
