@@ -69,8 +69,8 @@ pub struct NearSize {
 pub const HISTORY_BYTES: f64 = (size_of::<f64>() * (KEPT + MOVING) + 3 * size_of::<i32>()) as f64;
 
 /// Bytes of a particle in columns that steps with several solves keep besides: two more past solutions, the mean and
-/// the expected velocity before and after a displacement, displacements that separate spheres, and positions and lattice
-/// steps at the start of a substep.
+/// the expected velocity before and after a displacement, displacements that separate spheres, and positions and
+/// lattice steps at the start of a substep.
 pub const SUBSTEP_BYTES: f64 = (size_of::<f64>() * (2 * GUESS + 2 * 2 * 3 + 3 + 6)) as f64;
 
 /// Bytes of a particle in contacts with this many slots: the lists of an evaluation, and the states of contacts at the
