@@ -6,7 +6,7 @@ use crate::pairs::matrix::lanes::LANES;
 use crate::pairs::matrix::sparse::{LaneGroup, MomentGroup, Padded};
 use crate::six_vector::SixVector;
 use domain::{Bytes, ExpectedCounts, Halo, MemoryNeed, Particles, Process, Traceless, Vector, VerletList};
-use fcm::{CardMemory, CardRanks, CardSteps, Footprint, NearPairCounts, PlanError, Precision};
+use fcm::{CardMemory, CardRanks, CardSteps, Footprint, NearKind, NearPairCounts, PlanError, Precision};
 use lubrication::{LubricationRange, PairForce};
 
 /// Parallel layout: number of ranks and of threads per rank.
@@ -72,7 +72,10 @@ pub fn card(
         tables: PairForce::series_bytes(far.radii(), range, STIFF),
         ..pair_counts(expected, range)
     };
-    far.card(range.map_or_else(NearPairCounts::default, near), steps, ranks)
+    // Pairs of radii without series.
+    let kinds = (far.radii().len().pow(2) * size_of::<NearKind>()) as f64;
+    let without = || NearPairCounts { tables: kinds, ..NearPairCounts::default() };
+    far.card(range.map_or_else(without, near), steps, ranks)
 }
 
 /// Mean numbers of near pairs of a particle.

@@ -4,6 +4,7 @@ use super::device_pairs::lubrication_of;
 use super::device_walls::{at_walls, of_channel};
 use super::on_device::{Suspension, emulator, lubricated};
 use super::*;
+use crate::pairs::device_tables;
 use domain::Boundaries;
 use gpu::{Counted, NearSize, NumberFormat};
 
@@ -41,8 +42,12 @@ impl Forecast {
         let Suspension { particles, plan, .. } = &self.suspension;
         let is_lubricated = self.short_range.lubrication.is_some();
         let [stiff, soft] = if is_lubricated { self.suspension.pairs(solver).map(f64::from) } else { [0.0; 2] };
-        let tables = is_lubricated.then(|| lubrication_of(solver).tables(1.0, Vec::new()));
-        let tables = tables.map_or(0, |tables| size_of_val(&tables.kinds[..]) + size_of_val(&tables.series[..]));
+        let tables = if is_lubricated {
+            lubrication_of(solver).tables(1.0, Vec::new())
+        } else {
+            device_tables::without_lubrication(&plan.radii, Vec::new())
+        };
+        let tables = size_of_val(&tables.kinds[..]) + size_of_val(&tables.series[..]);
         NearSize {
             numbers: NumberFormat::Single,
             particles: particles.len() as f64,

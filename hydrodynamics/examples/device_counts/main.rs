@@ -4,6 +4,8 @@
 //!
 //!     cargo run --package fcm-solve-hydrodynamics --example device_counts
 
+mod substep;
+
 use domain::{Boundaries, Comm, Particles, Partition, PeriodicBox, RemoteFrame, Traceless, Vector, random_packing};
 use fcm::{
     Costs, Fixed, HeldDraw, Loading, Loads, Method, Mobility, Multipoles, Output, PastSolutions, Plan, Precision,
@@ -45,7 +47,7 @@ const PARABOLA: [f64; 3] = [3.0, -3.0, 1.0];
 const STEPS_BEFORE: usize = 9;
 
 /// Kernels by what they are for: the beginnings of their names.
-const GROUPS: [(&str, &[&str]); 9] = [
+const GROUPS: [(&str, &[&str]); 11] = [
     ("order and lists of spheres", &["bin_", "scan_", "scatter_", "order_", "find_neighbours"]),
     ("assembly of near pairs", &["find_near_", "assemble_", "moments_"]),
     ("groups of the preconditioner", &["begin_", "choose_", "join_", "count_", "place_groups", "invert_"]),
@@ -55,6 +57,8 @@ const GROUPS: [(&str, &[&str]); 9] = [
     ("columns of solutions", &["guess_", "store_", "compare_"]),
     ("motion of the spheres", &["displace_", "place_all", "overlapping_"]),
     ("random motions and loads", &["random_", "krylov_", "drawn_"]),
+    ("control of steps", &["combine_", "displacement_error", "gap_changes", "pushed_apart"]),
+    ("contacts", &["find_contacts", "load_contacts", "end_contacts"]),
 ];
 
 impl CountedCase {
@@ -155,6 +159,14 @@ impl CountedCase {
         }
         let [drawn, solved] = iterations;
         stage(&format!("a Brownian step, {drawn} iterations of its draw and {solved} of its solve"), &before);
+        if self.lubricated {
+            let mut iterations = 0;
+            for _ in 0..3 {
+                before = counts.borrow().clone();
+                iterations = self.substep(&mut on_card, &mut moving, &mut past)?;
+            }
+            stage(&format!("an implicit substep with contacts, {iterations} iterations"), &before);
+        }
         Ok(())
     }
 }
@@ -225,7 +237,7 @@ impl CountedCase {
 fn advance(on_card: &CoupledSolver, moving: &mut Particles, cell: &PeriodicBox) {
     let holder = on_card.holder().expect("the card moves particles");
     let frame = RemoteFrame { cell, gradient: BackgroundFlow::shear(1.0).gradient(), farthest: 1e9 };
-    assert!(moving.advance_remotely(frame, |name| name == VELOCITY || name == DRAWN, holder));
+    assert!(moving.advance_remotely(frame, |name| [VELOCITY, DRAWN, substep::EXPECTED].contains(&name), holder));
 }
 
 /// An emulator that counts.
