@@ -147,6 +147,14 @@ impl CountedCase {
             iterations = self.step(&mut on_card, &mut moving, &mut past, STRAIN + step as f64 * STEP)?;
         }
         stage(&format!("a step of a run, {iterations} iterations"), &before);
+        if self.lubricated {
+            let mut iterations = 0;
+            for _ in 0..3 {
+                before = counts.borrow().clone();
+                iterations = self.substep(&mut on_card, &mut moving, &mut past)?;
+            }
+            stage(&format!("an implicit substep with contacts, {iterations} iterations"), &before);
+        }
         let solution = on_card.solve(&cell, &particles, &shear, Guess::default())?;
         let mut before = counts.borrow().clone();
         on_card.mobility().apply(&solution.far, Output::All);
@@ -159,14 +167,6 @@ impl CountedCase {
         }
         let [drawn, solved] = iterations;
         stage(&format!("a Brownian step, {drawn} iterations of its draw and {solved} of its solve"), &before);
-        if self.lubricated {
-            let mut iterations = 0;
-            for _ in 0..3 {
-                before = counts.borrow().clone();
-                iterations = self.substep(&mut on_card, &mut moving, &mut past)?;
-            }
-            stage(&format!("an implicit substep with contacts, {iterations} iterations"), &before);
-        }
         Ok(())
     }
 }

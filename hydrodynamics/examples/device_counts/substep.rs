@@ -2,12 +2,8 @@
 
 use super::{CountedCase, STEP, STEPS_BEFORE, STRAIN, VELOCITY, advance, extrapolated};
 use domain::{ColumnValues, Particles, PeriodicBox, RemoteList};
-use fcm::{
-    DisplacementOrders, DisplacementWeights, HeldSteps, HeldVelocities, Loads, SeparationLimits, SolutionColumns,
-};
-use hydrodynamics::{
-    CoupledSolver, HeldContacts, HeldForces, HeldPrediction, SolveInput, StrainRate, TooManyContacts,
-};
+use fcm::{DisplacementOrders, DisplacementWeights, HeldVelocities, Loads, SeparationLimits, SolutionColumns};
+use hydrodynamics::{CoupledSolver, HeldContacts, HeldForces, HeldPrediction, SolveInput, StrainRate, TooManyContacts};
 use lubrication::{Contact, Elasticity, LubricationRange};
 use solver::BackgroundFlow;
 use std::collections::VecDeque;
@@ -62,9 +58,9 @@ impl CountedCase {
             previous: None,
             flow: &flow,
         };
-        let loads = on_card.contact_loads(&cell, moving, &contacts).map_err(|TooManyContacts { id }| {
-            format!("sphere {id} has more than {SLOTS} contacts")
-        })?;
+        let loads = on_card
+            .contact_loads(&cell, moving, &contacts)
+            .map_err(|TooManyContacts { id }| format!("sphere {id} has more than {SLOTS} contacts"))?;
         let prediction = Some(HeldPrediction { time: STEP, velocities: expected.clone() });
         let forces = HeldForces { prediction, contacts: Some(loads) };
         let shear = SolveInput::new(&none, StrainRate::uniform(flow.strain_rate()));
