@@ -45,7 +45,7 @@ impl CountedCase {
         past: &mut VecDeque<SolutionColumns>,
     ) -> Result<usize, Box<dyn Error>> {
         let (cell, flow) = (self.cell(STRAIN + STEPS_BEFORE as f64 * STEP)?, BackgroundFlow::shear(1.0));
-        let displacement = Displacement { cell: &cell, flow: &flow, columns: [VELOCITY, VELOCITY], step: STEP };
+        let displacement = MeasuredMove { cell: &cell, flow: &flow, columns: [VELOCITY, VELOCITY], step: STEP };
         displacement.take(on_card, moving)?;
         let expected = held(on_card, moving, EXPECTED)?;
         let (previous, none) = (history(moving), Loads::default());
@@ -74,7 +74,7 @@ impl CountedCase {
         if let Some([velocities, _]) = &columns.moving {
             moving.set_column(VELOCITY, 3, velocities.clone());
         }
-        Displacement { columns: [VELOCITY, EXPECTED], ..displacement }.take(on_card, moving)?;
+        MeasuredMove { columns: [VELOCITY, EXPECTED], ..displacement }.take(on_card, moving)?;
         Ok(solution.iterations)
     }
 }
@@ -92,17 +92,17 @@ fn held(on_card: &CoupledSolver, moving: &mut Particles, name: &str) -> Result<R
 
 /// A displacement by the first column of velocities, which is predicted if both are the same, or by the difference from
 /// the second one.
-struct Displacement<'a> {
+struct MeasuredMove<'a> {
     cell: &'a PeriodicBox,
     flow: &'a BackgroundFlow,
     columns: [&'static str; 2],
     step: f64,
 }
 
-impl Displacement<'_> {
+impl MeasuredMove<'_> {
     /// Measures the displacement, displaces the particles, and wraps them into the box.
     fn take(&self, on_card: &mut CoupledSolver, moving: &mut Particles) -> Result<(), Box<dyn Error>> {
-        let &Displacement { cell, flow, columns, step } = self;
+        let &MeasuredMove { cell, flow, columns, step } = self;
         on_card.mobility().follow(cell, moving);
         let (steps, is_predicted) = (Rc::clone(on_card.steps().ok_or(ELSEWHERE)?), columns[0] == columns[1]);
         let positions = moving.positions.remote_list().ok_or(ELSEWHERE)?.clone();
