@@ -75,6 +75,20 @@ fn advanced(mut suspension: Suspension, steps: u64) -> Suspension {
     suspension
 }
 
+/// Takes a step after two interruptions, before its solve or within, each of which leaves the state as it was; that is
+/// compared if it is asked for, as it copies all columns.
+fn step_interrupted(run: &mut Suspension, is_compared: bool) {
+    for check in 0..2 {
+        let checks = AtomicUsize::new(0);
+        run.listen(Interrupt::when(move || checks.fetch_add(1, Ordering::Relaxed) == check));
+        let before = is_compared.then(|| by_id(&run.state().particles));
+        run.step().unwrap_err();
+        assert!(before.is_none_or(|before| by_id(&run.state().particles) == before), "as before the step");
+    }
+    run.listen(Interrupt::NEVER);
+    run.step().unwrap();
+}
+
 /// Particles in the order of their ids.
 fn by_id(particles: &Particles) -> Particles {
     let mut rows: Vec<usize> = (0..particles.len()).collect();

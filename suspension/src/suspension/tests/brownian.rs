@@ -114,19 +114,7 @@ fn reading_columns_and_going_back_change_nothing() {
         }
         assert_eq!(read.state(), state);
         let mut interrupted = on(started(&model, None), emulator(1).0);
-        for step in 0..STEPS {
-            for check in 0..2 {
-                let checks = AtomicUsize::new(0);
-                interrupted.listen(Interrupt::when(move || checks.fetch_add(1, Ordering::Relaxed) == check));
-                let before = (step == 1).then(|| by_id(&interrupted.state().particles));
-                interrupted.step().unwrap_err();
-                if let Some(before) = before {
-                    assert_eq!(by_id(&interrupted.state().particles), before);
-                }
-            }
-            interrupted.listen(Interrupt::NEVER);
-            interrupted.step().unwrap();
-        }
+        (0..STEPS).for_each(|step| step_interrupted(&mut interrupted, step == 1));
         assert_eq!(interrupted.state(), state);
     }
 }

@@ -207,33 +207,21 @@ fn contacts_take_what_is_predicted() {
 /// are read after each step too, and one that goes back to the start of a step that was interrupted.
 #[test]
 fn a_resumed_run_has_the_same_bits() {
-    for model in [frictional()] {
-        let state = advanced(on(started(&model, None), emulator(1).0), 3).state();
-        for steps in 0..3 {
-            let mut part = advanced(on(started(&model, None), emulator(2).0), steps);
-            let mut resumed = advanced(on(started(&model, Some(&mut part)), emulator(3).0), 3 - steps);
-            assert!(resumed.state() == state, "resumed after {steps} steps");
-        }
-        let mut read = on(started(&model, None), emulator(1).0);
-        let mut interrupted = on(started(&model, None), emulator(1).0);
-        for step in 0..3 {
-            assert!(read.particles().columns.iter().all(|column| column.values.is_here()));
-            read.step().unwrap();
-            for check in 0..2 {
-                let checks = AtomicUsize::new(0);
-                interrupted.listen(Interrupt::when(move || checks.fetch_add(1, Ordering::Relaxed) == check));
-                let before = (step == 1).then(|| by_id(&interrupted.state().particles));
-                interrupted.step().unwrap_err();
-                if let Some(before) = before {
-                    assert!(by_id(&interrupted.state().particles) == before, "as before the step");
-                }
-            }
-            interrupted.listen(Interrupt::NEVER);
-            interrupted.step().unwrap();
-        }
-        assert!(read.state() == state, "read in each step");
-        assert!(interrupted.state() == state, "interrupted");
+    let model = frictional();
+    let state = advanced(on(started(&model, None), emulator(1).0), 3).state();
+    for steps in 0..3 {
+        let mut part = advanced(on(started(&model, None), emulator(2).0), steps);
+        let mut resumed = advanced(on(started(&model, Some(&mut part)), emulator(3).0), 3 - steps);
+        assert!(resumed.state() == state, "resumed after {steps} steps");
     }
+    let [mut read, mut interrupted] = [(); 2].map(|()| on(started(&model, None), emulator(1).0));
+    for step in 0..3 {
+        assert!(read.particles().columns.iter().all(|column| column.values.is_here()));
+        read.step().unwrap();
+        step_interrupted(&mut interrupted, step == 1);
+    }
+    assert!(read.state() == state, "read in each step");
+    assert!(interrupted.state() == state, "interrupted");
 }
 
 /// Spheres cross the faces of a sheared box, whose lattice vectors change at half a period of its strain, as on the
