@@ -50,11 +50,22 @@ pub struct RemoteDisplacement<'a> {
     pub terms: &'a [(RemoteList, f64)],
     /// Columns of velocities in a flow.
     pub velocities: &'a [RemoteList],
-    /// Velocity gradient of the flow.
-    pub gradient: Tensor,
-    /// The box, which is periodic and has its axes along x, y and z.
+    /// The box and the flow.
+    pub frame: RemoteFrame<'a>,
+}
+
+/// A flow in a periodic box in which particles in a remote memory move.
+#[derive(Clone, Copy)]
+pub struct RemoteFrame<'a> {
+    /// The box after a displacement.
     pub cell: &'a PeriodicBox,
-    /// Distance from the box, in edges, from which on a particle is lost.
+    /// Velocity gradient of the flow by which images move relative to their particles.
+    pub gradient: Tensor,
+    /// Deformation, by the flow, of the positions after a displacement and of velocities.
+    pub deformation: Tensor,
+    /// Matrix that converts lattice steps before to those along the vectors of the box, modulo `2^32`.
+    pub renaming: [[i32; 3]; 3],
+    /// Distance from the box, in edges, from which on a displaced particle is lost.
     pub farthest: f64,
 }
 

@@ -1,6 +1,6 @@
 //! A memory on the host that stands for a remote one in tests.
 
-use crate::{RemoteAdvance, RemoteDisplacement, RemoteHolder, RemoteList, Vector};
+use crate::{RemoteAdvance, RemoteDisplacement, RemoteFrame, RemoteHolder, RemoteList, Tensor, Vector};
 use std::cell::{Cell, RefCell};
 
 /// Lists, and the number of copies that were made of them.
@@ -33,7 +33,8 @@ impl RemoteHolder for RemoteMemory {
     }
 
     fn advance(&self, displaced: &RemoteDisplacement) -> Option<RemoteAdvance> {
-        let &RemoteDisplacement { positions, steps, terms, velocities, gradient, cell, farthest } = displaced;
+        let &RemoteDisplacement { positions, steps, terms, velocities, frame } = displaced;
+        let RemoteFrame { cell, gradient, deformation, renaming, farthest } = frame;
         let mut places = self.vectors(positions);
         for (term, weight) in terms {
             places.iter_mut().zip(self.vectors(term)).for_each(|(place, vector)| *place += vector * *weight);
@@ -41,11 +42,12 @@ impl RemoteHolder for RemoteMemory {
         if !places.iter().all(|&place| (place / cell.edges()).abs().max_element() < farthest) {
             return None;
         }
-        let (wrapped, taken): (Vec<_>, Vec<_>) = places.into_iter().map(|place| cell.wrap(place)).unzip();
-        let count = |(before, taken): (Vector, &[i32; 3])| before + Vector::from_array(taken.map(f64::from));
+        let (wrapped, taken): (Vec<_>, Vec<_>) = places.into_iter().map(|place| cell.wrap(deformation * place)).unzip();
+        let renaming = Tensor::from_cols_array_2d(&renaming.map(|row| row.map(f64::from))).transpose();
+        let count = |(before, taken): (Vector, &[i32; 3])| renaming * before + Vector::from_array(taken.map(f64::from));
         let steps: Vec<Vector> = self.vectors(steps).into_iter().zip(&taken).map(count).collect();
         let carried = |list: &RemoteList| {
-            let jump = |(before, taken): (Vector, &[i32; 3])| before - gradient * cell.lattice(*taken);
+            let jump = |(before, taken): (Vector, &[i32; 3])| deformation * before - gradient * cell.lattice(*taken);
             let vectors: Vec<Vector> = self.vectors(list).into_iter().zip(&taken).map(jump).collect();
             self.hold(bytemuck::cast_slice(&vectors))
         };

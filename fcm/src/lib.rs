@@ -75,8 +75,8 @@ pub use lanczos::{DrawDiagnostics, LanczosLimits, square_root_times};
 pub use mobility::contacts::{ContactFarField, TouchingParticles};
 pub use mobility::coupled::{
     ChangeLimits, ChangedSolution, CoupledFarField, CoupledProblem, CoupledResidual, CoupledSolution,
-    CoupledTolerances, GivenAmbient, GivenLoads, HeldLoads, HeldSprings, KnownSolution, PredictedVelocities,
-    SolutionColumns,
+    CoupledTolerances, GivenAmbient, GivenLoads, HeldLoads, HeldSprings, KnownSolution, MovingFlow,
+    PredictedVelocities, SolutionColumns,
 };
 pub use mobility::fluctuating::{FluctuatingFarField, HeldDraw, HeldMotions, LoadDraw};
 pub use mobility::loads::{Loads, Motion, Output};

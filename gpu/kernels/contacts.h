@@ -21,7 +21,7 @@ struct ContactSums {
 
 // All numbers are in the units of the solve, but for columns. gpu/src/contacts.rs has the same fields in the same order.
 struct Contacts {
-    // Columns in the order of ids and in the units of the host, or 0: positions; expected velocities with that of the
+    // Columns in the order of ids and in the units of the host, or 0: positions; expected velocities with a part of the
     // background; state at the start of the substep; velocities and angular velocities, relative to the background, of
     // the previous solution and of the one that ends the substep; state at its end.
     const double *positions, *expected, *history, *previous[2], *motions[2];
@@ -41,8 +41,9 @@ struct Contacts {
     // Times over which forces are predicted along the line of centres and across; the distance of centres up to which
     // any two spheres touch; factors of velocities and of rates from the units of the host.
     double along, across, reach, velocity, rate;
-    // Velocity gradient of the background by rows in the units of the host.
-    double gradient[9];
+    // Velocity gradients of the background, and of the part of it that expected velocities contain, by rows in the units
+    // of the host.
+    double gradient[9], carried[9];
     long long slots, is_hertz;
 };
 
@@ -204,7 +205,7 @@ static __device__ double expected_separation(const Task &task, const Contacts &c
     double v[2][3], relative[3];
     for (int k = 0; k < 2; k++) {
         long long place = task.places[k == 0 ? contact.first : contact.second];
-        relative_to_flow(contacts.positions, contacts.expected, contacts.gradient, place, v[k]);
+        relative_to_flow(contacts.positions, contacts.expected, contacts.carried, place, v[k]);
     }
     for (int axis = 0; axis < 3; axis++) relative[axis] = contacts.velocity * (v[1][axis] - v[0][axis]);
     return dot(contact.axis, relative);

@@ -23,6 +23,15 @@ __device__ T difference(typename Precision<T>::Fixed own, typename Precision<T>:
     return (T)nearest * (T)Precision<T>::UNIT + (T)(turns - steps);
 }
 
+// Components along the axes of space of a vector along the axes of the box.
+static __device__ void turn_to_space(const Task &task, const double x[3], double turned[3])
+{
+    for (int a = 0; a < 3; a++) {
+        const double *row = task.numbers->axes + 3 * a;
+        turned[a] = task.is_rotated ? row[0] * x[0] + row[1] * x[1] + row[2] * x[2] : x[a];
+    }
+}
+
 // Vector from a periodic image of one position to another along the axes of the box.
 template <typename T, typename Fixed>
 __device__ void separation_of(const Task &task, const Fixed *own, const Fixed *other, const int steps[3], T x[3])

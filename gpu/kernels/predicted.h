@@ -4,14 +4,14 @@
 
 // gpu/src/predicted.rs has the same fields in the same order.
 struct PredictedMotion {
-    // Positions, and velocities with that of the background, in the order of ids and in the units of the host.
+    // Positions, and velocities with that of a flow, in the order of ids and in the units of the host.
     const double *positions, *velocities;
-    // Velocity gradient of the background by rows in the units of the host; the factor of velocities from these units to
-    // those of the solve, and the time in the latter.
+    // Gradient by rows of the flow that velocities contain, in the units of the host; the factor of velocities from these
+    // units to those of the solve, and the time in the latter.
     double gradient[9], velocity, time;
 };
 
-// Velocity relative to the background of a particle with a place, from one with that of the background.
+// Velocity relative to a flow of a particle with a place, from one with that of the flow.
 static __device__ void relative_to_flow(
     const double *positions, const double *velocities, const double gradient[9], long long place, double v[3])
 {
@@ -19,15 +19,6 @@ static __device__ void relative_to_flow(
     for (int axis = 0; axis < 3; axis++) {
         const double *slope = gradient + 3 * axis;
         v[axis] = velocities[3 * place + axis] - (slope[0] * x[0] + slope[1] * x[1] + slope[2] * x[2]);
-    }
-}
-
-// Components along the axes of space of a vector along the axes of the box.
-static __device__ void turn_to_space(const Task &task, const double x[3], double turned[3])
-{
-    for (int a = 0; a < 3; a++) {
-        const double *row = task.numbers->axes + 3 * a;
-        turned[a] = task.is_rotated ? row[0] * x[0] + row[1] * x[1] + row[2] * x[2] : x[a];
     }
 }
 

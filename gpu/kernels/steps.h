@@ -1,6 +1,7 @@
 // Measures of displacements of particles that move on the device, and of their near pairs. Lists are in the order of the
 // particles' ids, and all numbers in the units of the host.
 #pragma once
+#include "displace.h"
 #include "neighbours.h"
 
 // Columns of which a displacement is a weighted sum, and different weights, at most.
@@ -21,6 +22,8 @@ struct StepMotion {
     double weights[STEP_ORDERS][STEP_COLUMNS];
     // Velocity gradient of the flow by rows.
     double gradient[9];
+    // Deformation of separations, after displacements, by the flow, by rows.
+    double deformation[9];
     // Ratios of differences between orders up to which a motion counts as smooth.
     double smooth[2];
     // Gaps over the mean radius, as which smaller ones count in losses and in errors.
@@ -56,6 +59,18 @@ static __device__ void combine_columns(const Task &task)
     double sum = 0;
     for (int k = 0; k < STEP_COLUMNS && step.columns[k]; k++) sum += step.weights[0][k] * step.columns[k][at];
     ((double *)task.list_y)[at] = sum;
+}
+
+// Velocities in the first column plus the first weight times those of the flow at the positions.
+static __device__ void add_flow_to_velocities(const Task &task)
+{
+    const StepMotion &step = *task.step;
+    long long row = (long long)blockIdx.x * blockDim.x + threadIdx.x;
+    if (row >= task.list_size) return;
+    double flow[3];
+    transform_vector(step.gradient, step.positions + 3 * row, flow);
+    for (int axis = 0; axis < 3; axis++)
+        ((double *)task.list_y)[3 * row + axis] = step.columns[0][3 * row + axis] + step.weights[0][0] * flow[axis];
 }
 
 // Error and roughness from the differences between M displacements and the next ones. As on the host, the maximum
@@ -94,7 +109,7 @@ template <int M> __device__ void measure_displacements(const Task &task)
 }
 
 // A sphere and a periodic image of another, or of itself: places of their numbers in lists; the vector from the image to
-// the sphere; their radii; and whether the sphere is the one with the larger row, or the same.
+// the sphere along the axes of space; their radii; and whether the sphere is the one with the larger row, or the same.
 struct StepPair {
     long long own, other;
     double x[3], distance, radii[2];
@@ -114,7 +129,9 @@ template <typename T, typename Visit> __device__ void visit_near(const Task &tas
     auto find = [&](int source, const int steps[3]) {
         int other = task.rows[source];
         const unsigned long long *positions = task.positions;
-        separation_of<double>(task, positions + 3 * row, positions + 3 * other, steps, pair.x);
+        double along[3];
+        separation_of<double>(task, positions + 3 * row, positions + 3 * other, steps, along);
+        turn_to_space(task, along, pair.x);
         for (int axis = 0; axis < 3; axis++) pair.x[axis] *= step.length;
         pair.distance = length_of(pair.x);
         if (!(pair.distance < step.reach)) return;
@@ -126,8 +143,8 @@ template <typename T, typename Visit> __device__ void visit_near(const Task &tas
     visit_around<T>(task, target, task.near_reach, find);
 }
 
-// Velocity of the flow across the lattice vector from the other sphere of a pair to its image. Without walls, positions
-// differ from those of the far field by lattice vectors alone.
+// Velocity of the flow across the lattice vector from the other sphere of a pair to its image; there is none in boxes with
+// tilts. Without walls, positions differ from those of the far field by lattice vectors alone.
 static __device__ void velocity_of_image(const Task &task, const StepPair &pair, double velocity[3])
 {
     const StepMotion &step = *task.step;
@@ -141,13 +158,10 @@ static __device__ void velocity_of_image(const Task &task, const StepPair &pair,
         vector[axis] = rint(vector[axis] / edge) * edge;
     }
     vector[0] += box.strain * vector[1];
-    for (int axis = 0; axis < 3; axis++) {
-        const double *slope = step.gradient + 3 * axis;
-        velocity[axis] = slope[0] * vector[0] + slope[1] * vector[1] + slope[2] * vector[2];
-    }
+    transform_vector(step.gradient, vector, velocity);
 }
 
-// Vectors of a pair after displacements by each of M weights.
+// Vectors of a pair after displacements by each of M weights, deformed by the flow.
 template <int M> __device__ void displace_pair(const Task &task, const StepPair &pair, double after[M][3])
 {
     const StepMotion &step = *task.step;
@@ -161,6 +175,10 @@ template <int M> __device__ void displace_pair(const Task &task, const StepPair 
             double velocity = own[axis] - other[axis] - of_image[axis];
             for (int order = 0; order < M; order++) after[order][axis] += velocity * step.weights[order][k];
         }
+    }
+    for (int order = 0; order < M; order++) {
+        double displaced[3] = {after[order][0], after[order][1], after[order][2]};
+        transform_vector(step.deformation, displaced, after[order]);
     }
 }
 

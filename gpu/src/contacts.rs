@@ -59,6 +59,8 @@ pub struct ContactInput<'a> {
     pub previous: Option<[DeviceList; 2]>,
     /// Velocity gradient of the background, row by row.
     pub gradient: [f64; 9],
+    /// Gradient of the part of it that expected velocities contain.
+    pub carried: [f64; 9],
     /// Factors of velocities and of rates from the units of the host to those of the solve.
     pub factors: [f64; 2],
 }
@@ -96,6 +98,7 @@ struct ContactArguments {
     reach: f64,
     factors: [f64; 2],
     gradient: [f64; 9],
+    carried: [f64; 9],
     slots: i64,
     is_hertz: i64,
 }
@@ -192,6 +195,7 @@ impl SplitFarField {
             reach: 2.0 * largest * (1.0 + 0.5 * law.roughness),
             factors: input.factors,
             gradient: input.gradient,
+            carried: input.carried,
             slots: slots as i64,
             is_hertz: i64::from(input.is_hertz),
             ..ContactArguments::zeroed()

@@ -29,8 +29,16 @@ pub struct DisplacementInput {
     pub edges: [f64; 3],
     /// Strain of the box.
     pub strain: f64,
-    /// Velocity gradient of the flow, row by row.
+    /// Tilts of the box.
+    pub tilts: [f64; 2],
+    /// Axes of the box as rows of a matrix that maps components along them to components in space, if they differ.
+    pub axes: Option<[f64; 9]>,
+    /// Velocity gradient of the flow by which images move, row by row.
     pub gradient: [f64; 9],
+    /// Deformation of displaced positions and of velocities by the flow, row by row.
+    pub deformation: [f64; 9],
+    /// Matrix that converts lattice steps before to those along the vectors of the box.
+    pub renaming: [[i32; 3]; 3],
     /// Distance from the box, in edges, from which on a particle is lost.
     pub farthest: f64,
 }
@@ -62,9 +70,14 @@ struct Displacement {
     weights: [f64; MOST_COLUMNS],
     edges: [f64; 3],
     strain: f64,
+    tilts: [f64; 2],
+    axes: [f64; 9],
     gradient: [f64; 9],
+    deformation: [f64; 9],
     farthest: f64,
+    renaming: [[i64; 3]; 3],
     particles: i64,
+    is_rotated: i64,
     is_lost: i64,
 }
 
@@ -77,7 +90,7 @@ impl SplitFarField {
     /// With more than [`MOST_COLUMNS`] displacements or columns of velocities.
     pub fn displace(&mut self, from: &DisplacementInput) -> Result<bool, DeviceError> {
         let [[positions, moved], [steps, counted]] = from.places.map(|pair| pair.map(|list| list.address));
-        let &DisplacementInput { edges, strain, gradient, farthest, .. } = from;
+        let &DisplacementInput { edges, strain, tilts, axes, gradient, deformation, farthest, .. } = from;
         let mut arguments = Displacement {
             positions,
             steps,
@@ -85,8 +98,13 @@ impl SplitFarField {
             counted,
             edges,
             strain,
+            tilts,
+            axes: axes.unwrap_or_default(),
             gradient,
+            deformation,
             farthest,
+            renaming: from.renaming.map(|row| row.map(i64::from)),
+            is_rotated: i64::from(axes.is_some()),
             particles: from.places[0][0].count as i64 / 3,
             ..Displacement::default()
         };

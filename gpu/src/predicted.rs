@@ -12,9 +12,9 @@ use bytemuck::{Pod, Zeroable};
 pub struct PredictedMotion {
     /// Positions.
     pub positions: DeviceList,
-    /// Velocities with that of the background.
+    /// Velocities with that of a flow.
     pub velocities: DeviceList,
-    /// Velocity gradient of the background, row by row.
+    /// Gradient of this flow, row by row.
     pub gradient: [f64; 9],
     /// Factor of velocities from the units of the host to those of the solve.
     pub factor: f64,

@@ -25,6 +25,8 @@ pub struct StepInput<'a> {
     pub positions: Option<DeviceList>,
     /// Velocity gradient of the flow, row by row.
     pub gradient: [f64; 9],
+    /// Deformation of displaced separations by the flow, row by row.
+    pub deformation: [f64; 9],
     /// Velocities with those of the flow.
     pub columns: &'a [DeviceList],
     /// Weights of the columns in displacements.
@@ -76,6 +78,7 @@ struct StepMotion {
     sums: DeviceAddress,
     weights: [[f64; STEP_COLUMNS]; STEP_ORDERS],
     gradient: [f64; 9],
+    deformation: [f64; 9],
     smooth: [f64; 2],
     least: [f64; 2],
     reach: f64,
@@ -113,6 +116,14 @@ impl SplitFarField {
         let step = self.place_step(&StepInput { columns: &columns, weights: &[padded], ..StepInput::default() })?;
         let task = KernelTask { list_y: to.address, step, list_size: to.count as i64, ..self.task };
         self.launch_vectors("combine_all", to.count.div_ceil(SUM_THREADS), &task)
+    }
+
+    /// Velocities in the first column plus the first weight times those of the flow at the positions.
+    pub fn add_flow(&mut self, input: &StepInput, to: &DeviceList) -> Result<(), DeviceError> {
+        let step = self.place_step(input)?;
+        let particles = to.count / 3;
+        let task = KernelTask { list_y: to.address, step, list_size: particles as i64, ..self.task };
+        self.launch_vectors("add_flow", particles.div_ceil(SUM_THREADS), &task)
     }
 
     /// Error and roughness of displacements over the radius, from the weights of differences between two displacements,
@@ -175,13 +186,14 @@ impl SplitFarField {
     ///
     /// With more than [`STEP_COLUMNS`] columns or four weights.
     fn place_step(&mut self, input: &StepInput) -> Result<DeviceAddress, DeviceError> {
-        let &StepInput { gradient, smooth, least, reach, length, closest, slack, .. } = input;
+        let &StepInput { gradient, deformation, smooth, least, reach, length, closest, slack, .. } = input;
         let Self { device, buffers, .. } = self;
         let on = device.as_mut();
         let mut motion = StepMotion {
             positions: input.positions.map_or(0, |list| list.address),
             sums: buffers.step_sums.reserve(on, size_of::<StepSums>())?,
             gradient,
+            deformation,
             smooth,
             least,
             reach,

@@ -6,8 +6,7 @@ use crate::springs::Springs;
 use crate::squirming::Squirming;
 use domain::parallel::FusedLoops;
 use domain::{ColumnValues, RemoteHolder, RemoteList, Traceless, Vector, remote_columns};
-use fcm::{GUESSED, HeldLoads, Loads, Motion, PastSolutions, SolutionColumns};
-use solver::BackgroundFlow;
+use fcm::{GUESSED, HeldLoads, Loads, Motion, MovingFlow, PastSolutions, SolutionColumns};
 
 /// Input of a solve: loads, ambient flow, implicit springs.
 pub struct SolveInput<'a> {
@@ -32,7 +31,7 @@ pub struct SolveInput<'a> {
     /// [`CoupledSolver::moves_particles`](crate::CoupledSolver::moves_particles): their motions stay there with the
     /// other columns, and the loads are those of [`CoupledSolver::hold_loads`](crate::CoupledSolver::hold_loads), if
     /// there are some.
-    pub moving_in: Option<&'a BackgroundFlow>,
+    pub moving_in: Option<MovingFlow>,
     /// Random motions and loads of particles that move there, in place of other ambient motions and loads.
     pub fluctuations: Option<&'a HeldFluctuations>,
     /// Implicit forces and contacts of particles that move there.

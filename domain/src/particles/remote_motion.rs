@@ -3,18 +3,7 @@
 use super::Particles;
 use crate::column::{Column, ColumnValues, ParticleValues};
 use crate::parallel::{mapped, of_rows};
-use crate::{PeriodicBox, RemoteDisplacement, RemoteHolder, RemoteList, Tensor, Vector, remote_columns};
-
-/// A flow in a periodic box in which particles move.
-#[derive(Clone, Copy)]
-pub struct RemoteFrame<'a> {
-    /// The box, whose axes are along x, y and z.
-    pub cell: &'a PeriodicBox,
-    /// Velocity gradient of the flow.
-    pub gradient: Tensor,
-    /// Distance from the box, in edges, from which on a particle is lost.
-    pub farthest: f64,
-}
+use crate::{RemoteDisplacement, RemoteFrame, RemoteHolder, RemoteList, Vector, remote_columns};
 
 /// Message of a panic, which would be a mistake in the program.
 const HERE: &str = "these particles do not move in a remote memory";
@@ -79,8 +68,8 @@ impl Particles {
         Self { positions, steps, displacements: Vec::new(), columns, saved: None, ..self }
     }
 
-    /// Moves particles in a memory by their displacements, and wraps them into the box of a frame. Columns of
-    /// velocities, by their names, change with the frame of reference of a particle. Returns `false`, with no other
+    /// Moves particles in a memory by their displacements and with the flow of a frame, and wraps them into its box.
+    /// Columns of velocities, by their names, change with the frame of reference of a particle and with the flow. Returns `false`, with no other
     /// effect, if a particle is lost.
     ///
     /// # Panics
@@ -99,9 +88,7 @@ impl Particles {
         let terms: Vec<_> = self.displacements.iter().map(|(values, weight)| (held(values), *weight)).collect();
         let columns = || (0..self.columns.len()).filter(|&k| are_velocities(&self.columns[k].name));
         let velocities: Vec<RemoteList> = columns().map(|k| held(&self.columns[k].values)).collect();
-        let RemoteFrame { cell, gradient, farthest } = frame;
-        let (terms, velocities) = (&terms[..], &velocities[..]);
-        let displaced = RemoteDisplacement { positions, steps, terms, velocities, gradient, cell, farthest };
+        let displaced = RemoteDisplacement { positions, steps, terms: &terms, velocities: &velocities, frame };
         let Some(moved) = holder.advance(&displaced) else { return false };
         let columns: Vec<usize> = columns().collect();
         for (k, list) in columns.into_iter().zip(moved.velocities) {
@@ -159,8 +146,8 @@ fn receive<T: Copy + Send + Sync>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Comm;
     use crate::remote_memory::RemoteMemory;
+    use crate::{Comm, PeriodicBox, Tensor};
 
     const GRADIENT: Tensor = Tensor::from_cols(Vector::ZERO, Vector::new(2.0, 0.0, 0.0), Vector::ZERO);
 
@@ -185,7 +172,8 @@ mod tests {
     }
 
     fn frame(cell: &PeriodicBox) -> RemoteFrame<'_> {
-        RemoteFrame { cell, gradient: GRADIENT, farthest: 1e3 }
+        let renaming = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
+        RemoteFrame { cell, gradient: GRADIENT, deformation: Tensor::IDENTITY, renaming, farthest: 1e3 }
     }
 
     fn displace(particles: &mut Particles) {

@@ -1,9 +1,8 @@
 //! Contacts of particles that move where the far field is evaluated.
 
-use crate::mobility::coupled::HeldLoads;
+use crate::mobility::coupled::{HeldLoads, MovingFlow};
 use domain::{ColumnValues, RemoteList, Units};
 use gpu::ContactLaw;
-use solver::BackgroundFlow;
 
 /// A far field that moves particles with stresslets, finds their contacts, and keeps the states of these.
 pub trait ContactFarField {
@@ -35,12 +34,12 @@ pub struct TouchingParticles<'a> {
     pub slots: usize,
     /// Times over which forces are predicted along the line of centres and across.
     pub times: [f64; 2],
-    /// Expected velocities with that of the background flow; `None` for those of the flow.
+    /// Expected velocities with those of [`MovingFlow::carried`]; `None` for these.
     pub expected: Option<&'a RemoteList>,
     /// State at the start of the substep; `None` if there were no contacts.
     pub history: Option<&'a RemoteList>,
     /// Velocities and angular velocities of the previous solution relative to the flow; `None` for zeros.
     pub previous: Option<[&'a RemoteList; 2]>,
     /// The background flow.
-    pub flow: &'a BackgroundFlow,
+    pub flow: MovingFlow,
 }

@@ -62,13 +62,22 @@ pub struct HeldSprings<'a> {
     pub predicted: Option<PredictedVelocities<'a>>,
 }
 
+/// A background flow in which particles move where the far field is evaluated.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MovingFlow {
+    /// The flow.
+    pub flow: BackgroundFlow,
+    /// The flow that velocities contain while particles move: that one, or none if it advects positions besides.
+    pub carried: BackgroundFlow,
+}
+
 /// Predicted velocities of particles that move where the far field is evaluated.
 #[derive(Clone, Copy)]
 pub struct PredictedVelocities<'a> {
-    /// Velocities with that of the background flow, in the order of ids and in the original units.
+    /// Velocities with those of a flow, in the order of ids and in the original units.
     pub velocities: &'a RemoteList,
-    /// The background flow in these units.
-    pub flow: &'a BackgroundFlow,
+    /// The flow that they contain, in these units.
+    pub carried: &'a BackgroundFlow,
     /// Time over which they are predicted.
     pub time: f64,
     /// Units of the laws of forces and of the resistances.
@@ -222,7 +231,7 @@ pub struct CoupledProblem<'a> {
     pub past: &'a PastSolutions,
     /// The background flow in the original units, if the particles move where the far field is evaluated: then their
     /// motions stay there.
-    pub moving_in: Option<BackgroundFlow>,
+    pub moving_in: Option<MovingFlow>,
     /// Ranks, of which there is one.
     pub comm: &'a Comm,
     /// Limits of the iteration.
@@ -261,7 +270,7 @@ pub struct SolutionColumns {
     pub stresslets: ColumnValues,
     /// Rates of strain besides that of the background.
     pub strain_rates: ColumnValues,
-    /// Velocities and angular velocities with those of the background, of particles that move where the far field is
-    /// evaluated.
+    /// Velocities with those of [`MovingFlow::carried`] and angular velocities with those of the background, of particles
+    /// that move where the far field is evaluated.
     pub moving: Option<[ColumnValues; 2]>,
 }

@@ -35,8 +35,8 @@ pub struct HeldDraw<'a> {
     pub stream: Stream,
     /// Factor of the motions.
     pub amplitude: f64,
-    /// The background flow.
-    pub flow: &'a BackgroundFlow,
+    /// The flow that velocities contain while particles move.
+    pub carried: &'a BackgroundFlow,
 }
 
 /// A draw of random loads of particles that move.
@@ -56,6 +56,6 @@ pub struct LoadDraw<'a> {
 pub struct HeldMotions {
     /// Motions of the fluid at each particle: velocity, angular velocity and rate of strain, eleven numbers.
     pub ambient: ColumnValues,
-    /// These velocities with those of the background flow, three numbers.
+    /// These velocities with those of that flow, three numbers.
     pub velocities: ColumnValues,
 }

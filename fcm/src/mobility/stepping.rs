@@ -1,6 +1,6 @@
 //! Measures of displacements of particles that move where the far field is evaluated, and of their near pairs.
 
-use domain::RemoteList;
+use domain::{RemoteList, Tensor};
 use gpu::STEP_COLUMNS;
 use solver::BackgroundFlow;
 
@@ -19,6 +19,8 @@ pub struct HeldVelocities<'a> {
     pub columns: &'a [RemoteList],
     /// The flow by which periodic images move relative to their particles.
     pub flow: &'a BackgroundFlow,
+    /// Deformation, by the flow, of separations after displacements.
+    pub deformation: Tensor,
 }
 
 /// Displacements by methods of several orders, whose differences estimate the error.
@@ -89,6 +91,15 @@ pub enum Separation {
 pub trait HeldSteps {
     /// Weighted sum of columns of as many numbers, at least one.
     fn combined(&self, terms: &[(RemoteList, f64)]) -> RemoteList;
+
+    /// Velocities plus `times` those of a flow at positions.
+    fn with_flow(
+        &self,
+        velocities: &RemoteList,
+        positions: &RemoteList,
+        flow: &BackgroundFlow,
+        times: f64,
+    ) -> RemoteList;
 
     /// Error of displacements over the radius of each particle.
     fn displacement_error(&self, columns: &[RemoteList], orders: &DisplacementOrders) -> DisplacementError;

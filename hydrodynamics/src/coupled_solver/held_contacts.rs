@@ -2,9 +2,8 @@
 
 use crate::coupled_solver::CoupledSolver;
 use domain::{ColumnValues, Particles, PeriodicBox, RemoteList, Units};
-use fcm::{ContactLaw, HeldLoads, TouchingParticles};
+use fcm::{ContactLaw, HeldLoads, MovingFlow, TouchingParticles};
 use lubrication::{Contact, Elasticity};
-use solver::BackgroundFlow;
 
 /// Contacts of particles that move where the far field is evaluated. Lists are in the order of ids and all numbers in
 /// the original units.
@@ -17,14 +16,14 @@ pub struct HeldContacts<'a> {
     /// Times over which implicit forces are predicted: from the present positions for springs along the line of
     /// centres, and from the start of the substep for tangential springs; 0 for forces at present.
     pub times: [f64; 2],
-    /// Expected velocities with that of the flow; `None` for those of the flow.
+    /// Expected velocities with those of [`MovingFlow::carried`]; `None` for these.
     pub expected: Option<&'a RemoteList>,
     /// State of the contacts at the start of the substep: ten numbers a slot; `None` if there were none.
     pub history: Option<&'a RemoteList>,
     /// Velocities and angular velocities of the previous solution relative to the flow; `None` for zeros.
     pub previous: Option<[&'a RemoteList; 2]>,
     /// The background flow.
-    pub flow: &'a BackgroundFlow,
+    pub flow: MovingFlow,
 }
 
 /// A particle with more contacts than slots.

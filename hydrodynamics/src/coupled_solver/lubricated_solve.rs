@@ -15,10 +15,9 @@ use crate::unknowns::Unknowns;
 use domain::parallel::{FusedLoops, all_rows};
 use domain::{Comm, Interrupt, Interrupted, Particles, RemoteHolder, Traceless, Units, Vector};
 use fcm::{
-    HeldLoads, Iterate, IterationOutcome, Limits, Linear, Loads, Motion, Multipoles, Plan, SolveError,
+    HeldLoads, Iterate, IterationOutcome, Limits, Linear, Loads, Motion, MovingFlow, Multipoles, Plan, SolveError,
     conjugate_gradients,
 };
-use solver::BackgroundFlow;
 
 /// [`crate::CoupledSolver::solve`] with near pairs or rigid bodies, in scaled units.
 pub(super) struct LubricatedSolve<'a> {
@@ -48,7 +47,7 @@ pub(super) struct SolveCase<'a> {
     /// Whether the columns of the solution may stay where the far field is evaluated.
     pub(super) keeps_columns: bool,
     /// See [`crate::SolveInput::moving_in`].
-    pub(super) moving_in: Option<&'a BackgroundFlow>,
+    pub(super) moving_in: Option<MovingFlow>,
 }
 
 /// Single-sphere resistances, known loads, ambient motions and a guess, in scaled units.

@@ -119,12 +119,12 @@ pub(super) fn near_tables(near: Option<&NearField>, viscosity: f64, radii: &[f64
 
 /// Implicit springs of a solve for particles that move where the far field is evaluated: those of contacts and surfaces
 /// if there is a prediction.
-fn held_springs<'a>(acting: &SolveInput<'a>, units: Units) -> HeldSprings<'a> {
-    let (Some(forces), Some(flow)) = (acting.held_forces, acting.moving_in) else { return HeldSprings::default() };
+fn held_springs<'a>(acting: &'a SolveInput, units: Units) -> HeldSprings<'a> {
+    let (Some(forces), Some(flow)) = (acting.held_forces, &acting.moving_in) else { return HeldSprings::default() };
     let HeldForces { prediction, contacts } = forces;
     let predicted = prediction.as_ref().map(|&HeldPrediction { time, ref velocities }| PredictedVelocities {
         velocities,
-        flow,
+        carried: &flow.carried,
         time,
         units,
     });

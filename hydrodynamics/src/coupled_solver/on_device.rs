@@ -34,7 +34,7 @@ impl LubricatedSolve<'_> {
             ambient: remote.map_or_else(ambient_here, GivenAmbient::Held),
             background: self.strain_rate.at_zero.0,
             past: &guess.solutions(),
-            moving_in: moving_in.copied(),
+            moving_in,
             comm: self.comm,
             limits,
             tolerances: CoupledTolerances {

@@ -20,13 +20,15 @@ pub enum Approach<const N: usize> {
     Held(HeldApproach),
 }
 
-/// Near pairs of particles where the far field is evaluated, in a flow that does not advect them.
+/// Near pairs of particles where the far field is evaluated.
 pub struct HeldApproach {
     steps: Rc<dyn HeldSteps>,
     positions: RemoteList,
     columns: Vec<RemoteList>,
     /// The flow by which images move relative to their particles.
     flow: BackgroundFlow,
+    /// Deformation of separations by the flow, in addition.
+    advection: Deformation,
     /// Distance of centres up to which pairs are considered.
     reach: f64,
 }
@@ -46,7 +48,7 @@ impl<const N: usize> Approach<N> {
     pub fn advected_by(&mut self, advection: Deformation) -> &Self {
         match self {
             Self::Here(motion) => _ = motion.advected_by(advection),
-            Self::Held(_) => assert_eq!(advection, Deformation::NONE, "no flow advects particles that move elsewhere"),
+            Self::Held(held) => held.advection = advection,
         }
         self
     }
@@ -88,7 +90,8 @@ impl<const N: usize> Approach<N> {
 
 impl HeldApproach {
     fn velocities(&self) -> HeldVelocities<'_> {
-        HeldVelocities { positions: &self.positions, columns: &self.columns, flow: &self.flow }
+        let deformation = self.advection.tensor();
+        HeldVelocities { positions: &self.positions, columns: &self.columns, flow: &self.flow, deformation }
     }
 
     fn changes(&self, orders: &DisplacementOrders, least: [f64; 2]) -> Change {
@@ -128,11 +131,12 @@ impl Dynamics {
         self.hydrodynamics.mobility().follow(self.moving.cell(), particles);
         let positions = particles.positions.remote_list().expect(ELSEWHERE).clone();
         let columns = columns.map(|name| self.held_column(particles, name, 3)).into();
-        HeldApproach { steps: self.steps(), positions, columns, flow: self.moving.flow_of_images(), reach }
+        let (steps, flow, advection) = (self.steps(), self.moving.flow_of_images(), Deformation::NONE);
+        HeldApproach { steps, positions, columns, flow, advection, reach }
     }
 
     /// Measures of displacements where particles move.
-    fn steps(&self) -> Rc<dyn HeldSteps> {
+    pub(super) fn steps(&self) -> Rc<dyn HeldSteps> {
         Rc::clone(self.hydrodynamics.steps().expect(ELSEWHERE))
     }
 

@@ -71,6 +71,8 @@ pub struct Dynamics {
     smallest_radius: f64,
     largest_radius: f64,
     tolerance: f64,
+    /// Whether the particles of the model move where the far field is evaluated, if it can move particles.
+    can_move_remotely: bool,
     /// Detector of pairs that Brownian motion brings too close to each other.
     overlap_monitor: Option<OverlapMonitor>,
     /// Largest weight of negative eigenvalues that were clipped in the near field of random motions.
@@ -120,6 +122,7 @@ impl Dynamics {
             is_implicit,
             needs_pairs: is_implicit || model.integrator == Integrator::Brownian(BrownianScheme::TwoEvaluations),
             rigid: model.hydrodynamics.multipoles == MultipoleOrder::Dipole,
+            can_move_remotely: model.moves_on_host_by().is_none(),
             viscosity: model.viscosity,
             tolerance: model.hydrodynamics.tolerance,
             clipped: 0.0,
@@ -177,10 +180,12 @@ impl Dynamics {
             self.warm_start.clear_history(particles);
             self.forces.contacts.iter_mut().for_each(Contacts::end_adaptation);
             self.evaluate(particles, &StageTime::in_step(clock, 0.0, 0))?;
+            self.move_to_far_field(particles);
         } else {
+            // A run that is resumed subtracts the flow where one that goes on does.
+            self.move_to_far_field(particles);
             self.add_background(particles, -1.0);
         }
-        self.move_to_far_field(particles);
         Ok(())
     }
 
@@ -347,7 +352,7 @@ impl Dynamics {
         let (bodies, squirming) = (self.bodies(particles), self.squirming(particles));
         let (springs, bodies, squirming) = (springs.as_ref(), bodies.as_ref(), squirming.as_ref());
         let surface_forces = self.forces.surfaces_are_solved() || held_forces.is_some();
-        let moving_in = particles.are_remote().then_some(self.moving.flow());
+        let moving_in = particles.are_remote().then(|| self.moving.moving_flow());
         let acting = SolveInput {
             springs,
             bodies,

@@ -4,7 +4,7 @@ use super::Dynamics;
 use crate::bodies;
 use crate::columns::{self, EXPECTED, VELOCITY};
 use domain::parallel::{change_rows, copied};
-use domain::{Particles, Vector};
+use domain::{ColumnValues, Particles, Vector};
 
 impl Dynamics {
     /// A column of velocities minus the background flow, as far as the column contains it.
@@ -29,14 +29,21 @@ impl Dynamics {
 
     /// Adds `times` the flow relative to which velocities are given while particles move.
     pub(super) fn add_background(&self, particles: &mut Particles, times: f64) {
-        if self.moving.advects() {
-            let flow = self.flow();
-            let mut velocities = std::mem::take(&mut particles.column(VELOCITY, 3).values);
-            let positions = &particles.positions;
-            let vectors: &mut [Vector] = bytemuck::cast_slice_mut(&mut velocities);
-            change_rows(vectors, |row, v| *v += flow.velocity(positions[row]) * times);
-            particles.column(VELOCITY, 3).values = velocities;
-            bodies::add_at_centres(particles, |x| flow.velocity(x) * times);
+        if !self.moving.advects() {
+            return;
         }
+        let flow = self.flow();
+        if let Some(positions) = particles.positions.remote_list().cloned() {
+            let velocities = self.held_column(particles, VELOCITY, 3);
+            let summed = self.steps().with_flow(&velocities, &positions, flow, times);
+            particles.set_column(VELOCITY, 3, ColumnValues::remote(summed));
+            return;
+        }
+        let mut velocities = std::mem::take(&mut particles.column(VELOCITY, 3).values);
+        let positions = &particles.positions;
+        let vectors: &mut [Vector] = bytemuck::cast_slice_mut(&mut velocities);
+        change_rows(vectors, |row, v| *v += flow.velocity(positions[row]) * times);
+        particles.column(VELOCITY, 3).values = velocities;
+        bodies::add_at_centres(particles, |x| flow.velocity(x) * times);
     }
 }

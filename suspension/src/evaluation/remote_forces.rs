@@ -7,9 +7,8 @@ use crate::error::step::StepError;
 use crate::forces::acting::Acting;
 use crate::forces::contacts::{CONTACT_NUMBERS, CONTACTS, Contacts, FOUND, too_many};
 use domain::{Particles, RemoteList};
-use fcm::HeldLoads;
+use fcm::{HeldLoads, MovingFlow};
 use hydrodynamics::{Guess, HeldContacts, HeldForces, HeldPrediction, TooManyContacts};
-use solver::BackgroundFlow;
 
 /// Message of a panic, which would be a mistake in the program.
 const HAS_CONTACTS: &str = "these spheres have contacts";
@@ -24,7 +23,7 @@ struct ContactLists {
 
 impl ContactLists {
     /// The contacts in a flow.
-    fn of<'a>(&'a self, contacts: &'a Contacts, flow: &'a BackgroundFlow) -> HeldContacts<'a> {
+    fn of<'a>(&'a self, contacts: &'a Contacts, flow: MovingFlow) -> HeldContacts<'a> {
         HeldContacts {
             law: contacts.law(),
             slots: contacts.slots(),
@@ -78,7 +77,7 @@ impl Dynamics {
 
     fn contact_loads(&mut self, particles: &Particles, lists: &ContactLists) -> Result<HeldLoads, StepError> {
         let Self { hydrodynamics, moving, forces, .. } = self;
-        let contacts = lists.of(forces.contacts.as_ref().expect(HAS_CONTACTS), moving.flow());
+        let contacts = lists.of(forces.contacts.as_ref().expect(HAS_CONTACTS), moving.moving_flow());
         let loads = hydrodynamics.contact_loads(moving.cell(), particles, &contacts);
         let loads = loads.map_err(|TooManyContacts { id }| too_many(id, contacts.slots));
         self.partition.comm().agree(loads).map_err(StepError::Contacts)
@@ -89,7 +88,7 @@ impl Dynamics {
         let motions = MOTION.map(|name| self.held_column(particles, name, 3));
         let Self { hydrodynamics, moving, forces, .. } = self;
         let contacts = forces.contacts.as_ref().expect(HAS_CONTACTS);
-        let found = hydrodynamics.contact_ends(motions.each_ref(), &lists.of(contacts, moving.flow()));
+        let found = hydrodynamics.contact_ends(motions.each_ref(), &lists.of(contacts, moving.moving_flow()));
         particles.set_column(FOUND, CONTACT_NUMBERS * contacts.slots(), found);
     }
 }

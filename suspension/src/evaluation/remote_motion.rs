@@ -3,7 +3,7 @@
 use super::Dynamics;
 use super::checks::FARTHEST;
 use crate::forces::contacts::{CONTACT_NUMBERS, CONTACTS};
-use crate::{bodies, rotation};
+use crate::rotation;
 use domain::Particles;
 
 impl Dynamics {
@@ -24,13 +24,8 @@ impl Dynamics {
 
     /// Whether particles move where the far field is evaluated.
     fn moves_remotely(&mut self, particles: &Particles) -> bool {
-        let is_plain = self.rigid && self.swimmers.is_none() && self.following.is_none();
-        let are_free = !bodies::exist(particles) && !rotation::is_oriented(particles);
-        let are_placed_by_flow = self.moving.advects() || self.moving.total_poiseuille().is_some();
-        (self.is_implicit || !self.needs_pairs)
-            && is_plain
-            && are_free
-            && !are_placed_by_flow
+        self.can_move_remotely
+            && !rotation::is_oriented(particles)
             && !self.forces.need_positions(self.is_implicit)
             && self.fits_slots(particles)
             && self.hydrodynamics.moves_particles()
@@ -43,8 +38,8 @@ impl Dynamics {
         width.zip(known).is_none_or(|(width, known)| known.width == width)
     }
 
-    /// Wraps particles into the box at a time where they move. Returns whether they still do: particles that are lost,
-    /// or that need new lattice vectors, move here again.
+    /// Wraps particles into the box at a time where they move. Returns whether they still do: particles that are lost
+    /// move here again.
     pub(super) fn wrap_remotely(&mut self, particles: &mut Particles, time: f64) -> bool {
         if !particles.are_remote() {
             return false;

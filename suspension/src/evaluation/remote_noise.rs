@@ -14,9 +14,10 @@ use hydrodynamics::{Guess, HeldFluctuations, Solution};
 impl Dynamics {
     /// [`Self::draw_velocities`] of particles that move where the far field is evaluated.
     pub(super) fn draw_remotely(&mut self, particles: &mut Particles, noise: Noise) {
-        let (tolerance, cell, flow) = (self.random_tolerance(), self.moving.cell(), self.moving.flow());
+        let (tolerance, cell) = (self.random_tolerance(), self.moving.cell());
         let Noise { stream, amplitude, .. } = noise;
-        let draw = HeldDraw { particles, tolerance, stream, amplitude, flow };
+        let carried = &self.moving.moving_flow().carried;
+        let draw = HeldDraw { particles, tolerance, stream, amplitude, carried };
         let (motions, drawn) = self.hydrodynamics.draw_motions(cell, &draw).expect(ELSEWHERE);
         self.clipped = self.clipped.max(drawn.clipped);
         particles.set_column(AMBIENT, AMBIENT_NUMBERS, motions.ambient);

@@ -1,6 +1,6 @@
 //! Affine deformation by the background flow.
 
-use domain::Vector;
+use domain::{Tensor, Vector};
 
 /// Affine deformation of vectors by the background flow over a strain increment.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -14,6 +14,16 @@ pub enum Deformation {
 impl Deformation {
     /// No deformation.
     pub const NONE: Self = Self::Shear(Vector::ZERO);
+
+    /// Matrix of the deformation.
+    pub fn tensor(self) -> Tensor {
+        match self {
+            Self::Shear(strain) => {
+                Tensor::IDENTITY + Tensor::from_cols_array_2d(&strain.to_array().map(|s| [s, 0.0, 0.0]))
+            }
+            Self::Stretch(factors) => Tensor::from_diagonal(factors),
+        }
+    }
 
     /// The deformed vector.
     pub fn of(self, vector: Vector) -> Vector {

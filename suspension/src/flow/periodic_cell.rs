@@ -325,11 +325,8 @@ impl PeriodicCell {
             carry_by(self.deformation(strain), particles);
             self.set_rate(rate);
         } else if self.advects() {
-            let strain = self.rates.strain(time) - self.rates.strain(self.time);
-            carry_by(self.deformation(strain), particles);
-            if self.rates.frequency().is_some() {
-                self.set_rate(self.rates.before_time(time));
-            }
+            carry_by(self.deformation_to(time), particles);
+            self.set_rate_at(time);
         }
         self.time = time;
         let (cell, vectors) = self.shape_at(time);
@@ -341,6 +338,19 @@ impl PeriodicCell {
             particles.wrap(&self.cell);
         } else {
             self.wrap_in_flow(particles);
+        }
+    }
+
+    /// Deformation by the flow, if it advects the particles, from the present to a time, at given rates.
+    fn deformation_to(&self, time: f64) -> Deformation {
+        let is_advecting = self.advects();
+        self.deformation(if is_advecting { self.rates.strain(time) - self.rates.strain(self.time) } else { 0.0 })
+    }
+
+    /// Continues with the rate at a time, if it varies continuously.
+    fn set_rate_at(&mut self, time: f64) {
+        if self.rates.frequency().is_some() {
+            self.set_rate(self.rates.before_time(time));
         }
     }
 

@@ -232,14 +232,12 @@ impl Forces {
         self.bonds.as_ref().is_some_and(Bonds::have_beams)
     }
 
-    /// Whether a force needs positions here in each evaluation of particles that move where the far field is evaluated,
-    /// which adds implicit forces between surfaces and at contacts.
+    /// Whether a force between free particles, or one of the user, needs positions here in each evaluation of particles
+    /// that move where the far field is evaluated, which adds implicit forces between surfaces and at contacts.
     pub fn need_positions(&self, are_implicit: bool) -> bool {
-        let Self { contacts, bonds, traps, dipoles, others, applied, registered, .. } = self;
-        let are_near = !are_implicit && (self.range_in_solves.is_some() || contacts.is_some());
-        let are_tied = bonds.is_some() || traps.is_some();
-        let are_many = dipoles.is_empty() && others.is_empty() && registered.is_empty() && applied.is_empty();
-        are_near || are_tied || !are_many
+        let are_near = !are_implicit && (self.range_in_solves.is_some() || self.contacts.is_some());
+        let are_given = self.others.is_empty() && self.registered.is_empty() && self.applied.is_empty();
+        are_near || !are_given
     }
 
     /// Whether a force follows the motions of solutions.

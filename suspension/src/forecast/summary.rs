@@ -80,7 +80,7 @@ pub fn outline(
     let refusal = asked.are_present.then(|| planned.check_memory(model, comm).err()).flatten();
     let outline = outline.refusal(refusal.map(|failure| failure.to_string()));
     let card = memory::card(model, &planned.radii, &planned.plan, CardRanks::Asked(asked.ranks.count))?;
-    let outline = with_card(memory.add_to(outline), card);
+    let outline = with_card(memory.add_to(outline), card, model);
     let outline = with_cost(outline, &planned.plan, model.turn, &others);
     let outline = with_network(outline, model, &planned, asked);
     let outline = beside_periodic(outline, model, &cell, &planned, asked.ranks);
@@ -248,12 +248,20 @@ fn fraction(model: &Model, radii: &Radii) -> Option<f64> {
     ball.or((!is_open).then(|| model.cell.volume())).map(|volume| radii.volume() / volume)
 }
 
-/// Adds the card, if there is one to evaluate the far field.
-fn with_card(outline: Outline, card: Option<CardMemory>) -> Outline {
+/// Adds the card, if there is one to evaluate the far field, and where spheres move.
+fn with_card(outline: Outline, card: Option<CardMemory>, model: &Model) -> Outline {
     let Some(memory) = card else { return outline };
+    let several = if memory.ranks > 1 { Some("the number of ranks") } else { None };
+    let by = several.or(model.moves_on_host_by());
+    let place = match by {
+        None => "spheres move on the card, from which nothing is copied but what is observed or written".to_owned(),
+        Some(by) => format!(
+            "spheres move on the host, by {by}: positions are copied to the card and motions back in each evaluation"
+        ),
+    };
     let (of_run, [total, free]) =
         (memory.bytes.ceil(), [memory.card.total_bytes, memory.card.free_bytes].map(|bytes| bytes as u64));
-    outline.line("card", memory.describe()).value(
+    outline.line("card", memory.describe()).line("", place).value(
         "card",
         json!({
             "name": memory.card.name,
@@ -261,6 +269,8 @@ fn with_card(outline: Outline, card: Option<CardMemory>) -> Outline {
             "free_bytes": free,
             "expected_bytes": of_run as u64,
             "ranks_on_card": memory.on_card,
+            "moves_spheres": by.is_none(),
+            "moves_on_host_by": by,
         }),
     )
 }

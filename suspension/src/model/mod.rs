@@ -5,6 +5,7 @@ mod beam;
 mod bodies;
 mod bonds;
 pub mod box_axes;
+mod card;
 mod check;
 mod contacts;
 mod cubic_field;

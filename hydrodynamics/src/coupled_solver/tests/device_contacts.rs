@@ -9,7 +9,7 @@ use crate::solution::{HeldForces, HeldPrediction};
 use crate::springs::{ContactSprings, TetherResistance};
 use domain::parallel::RowLists;
 use domain::{Random, RemoteList};
-use fcm::{HeldLoads, Method, Mobility, StressletSolver};
+use fcm::{HeldLoads, Method, Mobility, MovingFlow, StressletSolver};
 use gpu::{Counted, Device, contact_bytes};
 use lubrication::{Barrier, Contact, Elasticity, PairKind, SurfaceForce};
 use solver::BackgroundFlow;
@@ -26,7 +26,8 @@ struct Touching {
     range: Option<LubricationRange>,
     law: Contact,
     forces: Vec<TakenForce>,
-    flow: BackgroundFlow,
+    /// The flow in which spheres move, and the part of it that expected velocities contain.
+    moving: MovingFlow,
     /// Units of length and viscosity; the unit of force is 1.
     units: Units,
 }
@@ -96,13 +97,14 @@ impl Touching {
             critical_load: 0.0,
             elasticity,
         };
+        let flow = BackgroundFlow::shear(0.8 * units.rate());
         Self {
             suspension,
             // It ends at smaller gaps than springs.
             range: is_lubricated.then(|| LubricationRange::new(0.3, 1e-5).unwrap()),
             law,
             forces: forces.map(|(force, is_implicit)| TakenForce { force, is_implicit }).to_vec(),
-            flow: BackgroundFlow::shear(0.8 * units.rate()),
+            moving: MovingFlow { flow, carried: flow },
             units,
         }
     }
@@ -179,7 +181,7 @@ impl Touching {
     /// All loads on the spheres at known velocities: those given, and forces of surfaces and contacts without friction
     /// at the start.
     fn known_loads(&self) -> Loads {
-        let (mut loads, expected, strain) = (self.given(), self.expected(), self.flow.strain_rate().tensor());
+        let (mut loads, expected, strain) = (self.given(), self.expected(), self.moving.flow.strain_rate().tensor());
         for row in 0..self.count() {
             for image in self.images(row) {
                 let (between, distance) = (self.between(row, &image), image.separation.length());
@@ -213,7 +215,7 @@ impl Touching {
         assert!(contacts.items().len() > self.count());
         let springs = Springs { resistance: &resistance, contacts: &contacts, tethers: &TetherResistance::default() };
         let loads = self.known_loads();
-        let input = SolveInput { springs: Some(&springs), ..acting(&loads, self.flow.strain_rate()) };
+        let input = SolveInput { springs: Some(&springs), ..acting(&loads, self.moving.flow.strain_rate()) };
         self.solver(None).solve(cell, particles, &input, Guess::default()).unwrap()
     }
 }
@@ -233,14 +235,14 @@ impl<'a> OnCard<'a> {
         particles.move_to(solver.holder().unwrap());
         solver.hold_loads(&case.given(), &particles);
         let relative = case.expected().into_iter().zip(&case.suspension.particles.positions);
-        let expected: Vec<Vector> = relative.map(|(v, &x)| v + case.flow.velocity(x)).collect();
+        let expected: Vec<Vector> = relative.map(|(v, &x)| v + case.moving.carried.velocity(x)).collect();
         let expected = solver.holder().unwrap().hold(bytemuck::cast_slice(&expected));
         Self { case, solver, particles, expected }
     }
 
     fn loads(&mut self, slots: usize) -> Result<HeldLoads, TooManyContacts> {
         let Self { case, solver, particles, expected } = self;
-        let (law, flow) = (&case.law, &case.flow);
+        let (law, flow) = (&case.law, case.moving);
         let contacts = HeldContacts {
             law,
             slots,
@@ -258,10 +260,10 @@ impl<'a> OnCard<'a> {
         let (none, Self { case, solver, particles, .. }) = (Loads::default(), self);
         let input = SolveInput {
             keeps_columns: true,
-            moving_in: Some(&case.flow),
+            moving_in: Some(case.moving),
             surface_forces: true,
             held_forces: forces,
-            ..acting(&none, case.flow.strain_rate())
+            ..acting(&none, case.moving.flow.strain_rate())
         };
         let solution = solver.solve(&case.suspension.cell, particles, &input, Guess::default()).unwrap();
         let kept = solution.kept.clone().unwrap();
@@ -299,6 +301,13 @@ fn implicit_solutions_are_those_of_the_host() {
     for (is_lubricated, elasticity) in [(true, Elasticity::Linear), (false, Elasticity::Hertz)] {
         agree(&Touching::new(Precision::Double, 1e-9, is_lubricated, elasticity), 1e-7);
     }
+}
+
+/// Where a flow advects positions, expected velocities are without it.
+#[test]
+fn implicit_solutions_in_a_flow_that_advects_are_those_of_the_host() {
+    let case = Touching::new(Precision::Double, 1e-9, true, Elasticity::Linear);
+    agree(&Touching { moving: MovingFlow { carried: BackgroundFlow::NONE, ..case.moving }, ..case }, 1e-7);
 }
 
 /// In units of length and viscosity that are not those of solves.

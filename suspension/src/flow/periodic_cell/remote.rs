@@ -2,12 +2,14 @@
 
 use super::PeriodicCell;
 use crate::columns::are_velocities;
+use crate::flow::deformation::Deformation;
 use domain::{Particles, RemoteFrame, RemoteHolder};
+use fcm::MovingFlow;
 use solver::BackgroundFlow;
 
 impl PeriodicCell {
-    /// [`Self::advance_to`] for particles in a remote memory, in a flow that does not advect them. Returns `false`,
-    /// with no effect, if the lattice vectors of the box change, or if a particle is farther from it than some edges.
+    /// [`Self::advance_to`] for particles in a remote memory, at a given rate. Returns `false`, with no effect, if a
+    /// particle is farther from the box than some edges.
     pub fn advance_remotely(
         &mut self,
         time: f64,
@@ -16,15 +18,26 @@ impl PeriodicCell {
         holder: &dyn RemoteHolder,
     ) -> bool {
         let (cell, vectors) = self.shape_at(time);
-        if vectors != self.vectors {
-            return false;
-        }
-        let (is_flowing, gradient) = (self.flow != BackgroundFlow::NONE, self.flow.gradient());
-        let frame = RemoteFrame { cell: &cell, gradient, farthest };
-        let is_moved = particles.advance_remotely(frame, |name| is_flowing && are_velocities(name), holder);
+        let (carried, deformation) = (self.moving_flow().carried, self.deformation_to(time));
+        let frame = RemoteFrame {
+            cell: &cell,
+            gradient: carried.gradient(),
+            deformation: deformation.tensor(),
+            renaming: self.renamed(vectors),
+            farthest,
+        };
+        let changes = carried != BackgroundFlow::NONE || deformation != Deformation::NONE;
+        let is_moved = particles.advance_remotely(frame, |name| changes && are_velocities(name), holder);
         if is_moved {
-            (self.time, self.cell) = (time, cell);
+            (self.time, self.cell, self.vectors) = (time, cell, vectors);
+            self.set_rate_at(time);
         }
         is_moved
+    }
+
+    /// The flow, with the part of it that velocities contain while particles move.
+    pub fn moving_flow(&self) -> MovingFlow {
+        let carried = if self.advects() { BackgroundFlow::NONE } else { self.flow };
+        MovingFlow { flow: self.flow, carried }
     }
 }

@@ -8,7 +8,7 @@ use gpu::{SUBSTEP_BYTES, bytes_of_contacts};
 use lubrication::Elasticity;
 
 /// Spheres in shear at a volume fraction of 40%, by implicit steps.
-fn dense(change: impl FnOnce(&mut Parameters)) -> Model {
+pub(super) fn dense(change: impl FnOnce(&mut Parameters)) -> Model {
     model([10, 6], |parameters| {
         // Spheres are near several images of others, of which one is in contact.
         parameters.cell = PeriodicBox::new(Vector::splat(6.5)).unwrap();
@@ -22,7 +22,7 @@ fn dense(change: impl FnOnce(&mut Parameters)) -> Model {
 }
 
 /// Contacts of asperities so high that many spheres touch from the start.
-fn touching() -> Contacts {
+pub(super) fn touching() -> Contacts {
     Contacts { roughness: 0.05, stiffness: Some(2e3), ..Contacts::new(0.5) }
 }
 
@@ -96,14 +96,14 @@ fn explicit() -> Model {
 }
 
 /// In `f64` with a smaller tolerance of solves.
-fn exact(model: &Model) -> Model {
+pub(super) fn exact(model: &Model) -> Model {
     let mut parameters = (**model).clone();
     parameters.hydrodynamics.iteration_tolerance = Some(1e-8);
     Model::new(parameters).unwrap()
 }
 
 /// Largest difference of the numbers of a column over the largest number.
-fn difference(name: &str, runs: [&Suspension; 2]) -> f64 {
+pub(super) fn difference(name: &str, runs: [&Suspension; 2]) -> f64 {
     let [card, host] = runs.map(|run| by_id(run.particles()));
     let column = |particles: &Particles| particles.columns.iter().find(|c| c.name == name).unwrap().values.clone();
     let (found, exact) = (column(&card), column(&host));
@@ -136,7 +136,7 @@ fn spheres_move_as_on_the_host_in_double_precision() {
     }
 }
 
-fn agree(model: &Model, allowed: f64) {
+pub(super) fn agree(model: &Model, allowed: f64) {
     let start = started(model, None);
     let [mut host, mut card] = [started(model, None), on(started(model, None), emulator(1).0)];
     for step in 0..2 {
@@ -225,7 +225,7 @@ fn a_resumed_run_has_the_same_bits() {
 }
 
 /// Spheres cross the faces of a sheared box, whose lattice vectors change at half a period of its strain, as on the
-/// host, to which they move for the rest of that step; and so do the frames of reference of their velocities.
+/// host; and so do the frames of reference of their velocities.
 #[test]
 fn spheres_cross_faces_as_on_the_host() {
     let model = dense(|parameters| {
@@ -235,10 +235,10 @@ fn spheres_cross_faces_as_on_the_host() {
     });
     let [start, mut host] = [(); 2].map(|()| started(&model, None));
     let mut card = on(started(&model, None), emulator(1).0);
-    for is_there in [true, false, true] {
+    for _ in 0..3 {
         host.step().unwrap();
         card.step().unwrap();
-        assert_eq!(card.particles.are_remote(), is_there);
+        assert!(card.particles.are_remote());
         let [error, moved] = [&card, &start].map(|run| distance(run, &host));
         assert!(error < 1e-3 * moved, "{error:e} of {moved:e}");
         assert!(difference(CONTACTS, [&card, &host]) < 0.1);

@@ -8,7 +8,7 @@ use crate::integrators::substeps::largest_displacement_here;
 use crate::model::ShearRates;
 use crate::model::radii::Radii;
 use crate::start::plan::plan;
-use domain::{Partition, Random, RemoteHolder, RemoteList};
+use domain::{Partition, Random, RemoteHolder, RemoteList, Tensor};
 use fcm::{
     DisplacementOrders, DisplacementWeights, GapChanges, HeldSteps, HeldVelocities, Mobility, Separation,
     SeparationLimits,
@@ -68,7 +68,8 @@ impl Case {
     }
 
     fn velocities(&self) -> HeldVelocities<'_> {
-        HeldVelocities { positions: &self.positions, columns: &self.columns, flow: self.moving.flow() }
+        let (flow, deformation) = (self.moving.flow(), Tensor::IDENTITY);
+        HeldVelocities { positions: &self.positions, columns: &self.columns, flow, deformation }
     }
 }
 

@@ -1,8 +1,8 @@
 //! Contacts and springs of particles that move on a device.
 
-use super::{DeviceFarField, succeeded};
+use super::{DeviceFarField, by_rows, succeeded};
 use crate::mobility::contacts::{ContactFarField, TouchingParticles};
-use crate::mobility::coupled::{HeldLoads, PredictedVelocities};
+use crate::mobility::coupled::{HeldLoads, MovingFlow, PredictedVelocities};
 use domain::{ColumnValues, RemoteList};
 use gpu::{CONTACT_NUMBERS, ContactInput, ContactLoads, DeviceList, PredictedMotion};
 
@@ -40,7 +40,8 @@ impl DeviceFarField {
     }
 
     fn contact_input<'a>(&'a self, touching: &TouchingParticles, radii: &'a [f64]) -> ContactInput<'a> {
-        let &TouchingParticles { units, law, is_hertz, slots, times, flow, .. } = touching;
+        let &TouchingParticles { units, law, is_hertz, slots, times, flow: MovingFlow { flow, carried }, .. } =
+            touching;
         let held = |list: &RemoteList| self.kept.held(list);
         ContactInput {
             law,
@@ -53,18 +54,19 @@ impl DeviceFarField {
             expected: touching.expected.map(held),
             history: touching.history.map(held),
             previous: touching.previous.map(|lists| lists.map(held)),
-            gradient: flow.gradient().transpose().to_cols_array(),
+            gradient: by_rows(&flow.gradient()),
+            carried: by_rows(&carried.gradient()),
             factors: [units.velocity(), units.rate()].map(f64::recip),
         }
     }
 
     /// Predicted motions of the arranged particles, as the kernels take them.
     pub(super) fn predicted(&self, predicted: &PredictedVelocities) -> PredictedMotion {
-        let &PredictedVelocities { velocities, flow, time, units } = predicted;
+        let &PredictedVelocities { velocities, carried, time, units } = predicted;
         PredictedMotion {
             positions: self.positions(),
             velocities: self.kept.held(velocities),
-            gradient: flow.gradient().transpose().to_cols_array(),
+            gradient: by_rows(&carried.gradient()),
             factor: 1.0 / units.velocity(),
             time: time * units.rate(),
         }

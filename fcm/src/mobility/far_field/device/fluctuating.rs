@@ -10,12 +10,12 @@ use gpu::{CloseSpheres, NearTables, OverlapLimits, PairDraw};
 
 impl FluctuatingFarField for DeviceFarField {
     fn draw_motions(&mut self, draw: &HeldDraw) -> (HeldMotions, DrawDiagnostics) {
-        let &HeldDraw { particles, tolerance, stream, amplitude, flow } = draw;
+        let &HeldDraw { particles, tolerance, stream, amplitude, carried } = draw;
         let drawn = self.draw_on_device(&NoiseRequest { ids: &particles.ids, tolerance, stream });
         let factors = factors_of_units(&self.units).map(|factor| factor * amplitude);
         self.kept.release_unused();
         let positions = particles.positions.remote_list().expect("particles that move on the device");
-        let (lists, [ambient, velocities]) = self.kept.drawn(positions, flow, factors);
+        let (lists, [ambient, velocities]) = self.kept.drawn(positions, carried, factors);
         succeeded(self.split.borrow_mut().store_drawn(&lists));
         (HeldMotions { ambient, velocities }, drawn)
     }

@@ -1,9 +1,10 @@
 //! Columns of solutions that stay in the memory of a device until they are read.
 
-use super::succeeded;
 use super::vectors::SharedField;
+use super::{by_rows, succeeded};
+use crate::mobility::coupled::MovingFlow;
 use crate::mobility::past_solutions::PastSolutions;
-use domain::{ColumnValues, RemoteAdvance, RemoteDisplacement, RemoteHolder, RemoteList};
+use domain::{ColumnValues, RemoteAdvance, RemoteDisplacement, RemoteFrame, RemoteHolder, RemoteList};
 use gpu::{COLUMN_WIDTHS, COLUMNS, DeviceList, DisplacementInput, DrawnLists, MovingLists, PastLists};
 use solver::BackgroundFlow;
 use std::cell::RefCell;
@@ -33,25 +34,26 @@ impl KeptLists {
 
     /// Velocities and angular velocities that a solution sets for particles that move at positions in a remote list, in
     /// a flow.
-    pub fn moving(&self, positions: &RemoteList, flow: &BackgroundFlow) -> (MovingLists, [ColumnValues; 2]) {
+    pub fn moving(&self, positions: &RemoteList, flow: &MovingFlow) -> (MovingLists, [ColumnValues; 2]) {
         let positions = self.held(positions);
         let motions = [(); 2].map(|()| self.list(positions.count()));
-        let (gradient, spin) = (flow.gradient().transpose().to_cols_array(), flow.angular_velocity().to_array());
+        let MovingFlow { flow, carried } = flow;
+        let (gradient, spin) = (by_rows(&carried.gradient()), flow.angular_velocity().to_array());
         let lists = MovingLists { positions, motions, gradient, spin };
         (lists, motions.map(|list| ColumnValues::remote(self.keep(list))))
     }
 
-    /// Lists for random motions of particles that move at positions in a remote list, in a flow, with factors of
-    /// velocities and of gradients; and what stands for the motions and for velocities in the flow.
+    /// Lists for random motions of particles that move at positions in a remote list, with factors of velocities and of
+    /// gradients; and what stands for the motions and for velocities with those of a flow.
     pub fn drawn(
         &self,
         positions: &RemoteList,
-        flow: &BackgroundFlow,
+        carried: &BackgroundFlow,
         factors: [f64; 2],
     ) -> (DrawnLists, [ColumnValues; 2]) {
         let positions = self.held(positions);
         let [ambient, velocities] = [11, 3].map(|numbers| self.list(numbers * positions.count() / 3));
-        let gradient = flow.gradient().transpose().to_cols_array();
+        let gradient = by_rows(&carried.gradient());
         let lists = DrawnLists { ambient, velocities, positions, factors, gradient };
         (lists, [ambient, velocities].map(|list| ColumnValues::remote(self.keep(list))))
     }
@@ -141,7 +143,8 @@ impl RemoteHolder for KeptLists {
     }
 
     fn advance(&self, displaced: &RemoteDisplacement) -> Option<RemoteAdvance> {
-        let &RemoteDisplacement { positions, steps, terms, velocities, gradient, cell, farthest } = displaced;
+        let &RemoteDisplacement { positions, steps, terms, velocities, frame } = displaced;
+        let RemoteFrame { cell, gradient, deformation, renaming, farthest } = frame;
         self.release_unused();
         let moved = |remote: &RemoteList| {
             let before = self.held(remote);
@@ -155,7 +158,11 @@ impl RemoteHolder for KeptLists {
             velocities: velocities.clone(),
             edges: cell.edges().to_array(),
             strain: cell.strain(),
-            gradient: gradient.transpose().to_cols_array(),
+            tilts: cell.tilts(),
+            axes: cell.axes().map(by_rows),
+            gradient: by_rows(&gradient),
+            deformation: by_rows(&deformation),
+            renaming,
             farthest,
         }));
         let [positions, steps] = places.map(|[_, after]| self.keep(after));

@@ -37,7 +37,7 @@ use crate::mobility::work::Work;
 use crate::plan::Plan;
 use crate::plan::device::number_of_card;
 use domain::parallel::mapped;
-use domain::{Halo, Particles, Partition, PeriodicBox, RemoteHolder, Traceless, Units, Vector, sphere};
+use domain::{Halo, Particles, Partition, PeriodicBox, RemoteHolder, Tensor, Traceless, Units, Vector, sphere};
 use gpu::{
     Cuda, Device, DeviceError, DeviceMotion, NearInput, NearTables, PairDraw, PeriodicPlaces, SplitFarField,
     SurfaceLaws,
@@ -85,6 +85,11 @@ pub(crate) struct DeviceFarField {
 /// If the device fails, as when its memory is full.
 fn succeeded<T>(result: Result<T, DeviceError>) -> T {
     result.unwrap_or_else(|error| panic!("hydrodynamics.device \"gpu\" fails: {error}"))
+}
+
+/// A matrix row by row.
+fn by_rows(matrix: &Tensor) -> [f64; 9] {
+    matrix.transpose().to_cols_array()
 }
 
 /// Columns as a list of numbers in other units.

@@ -1,13 +1,14 @@
 //! Measures of displacements of particles that move on a device.
 
 use super::kept_lists::KeptLists;
-use super::succeeded;
+use super::{by_rows, succeeded};
 use crate::mobility::stepping::{
     DisplacementError, DisplacementOrders, DisplacementWeights, GapChanges, HeldSteps, HeldVelocities, Separation,
     SeparationLimits,
 };
 use domain::RemoteList;
 use gpu::{DeviceList, StepInput};
+use solver::BackgroundFlow;
 
 impl DisplacementOrders<'_> {
     /// Weights of each order, and the ratios up to which a motion counts as smooth.
@@ -39,8 +40,14 @@ impl KeptLists {
 
     /// The same with velocities, whose columns are `columns`.
     fn moving_by<'a>(&'a self, velocities: &HeldVelocities, columns: &'a [DeviceList]) -> StepInput<'a> {
-        let gradient = velocities.flow.gradient().transpose().to_cols_array();
-        StepInput { positions: Some(self.held(velocities.positions)), gradient, columns, ..self.measured() }
+        let HeldVelocities { positions, flow, deformation, .. } = velocities;
+        StepInput {
+            positions: Some(self.held(positions)),
+            gradient: by_rows(&flow.gradient()),
+            deformation: by_rows(deformation),
+            columns,
+            ..self.measured()
+        }
     }
 
     fn all_held(&self, columns: &[RemoteList]) -> Vec<DeviceList> {
@@ -72,6 +79,22 @@ impl HeldSteps for KeptLists {
         let terms: Vec<(DeviceList, f64)> = terms.iter().map(|(remote, weight)| (self.held(remote), *weight)).collect();
         let sum = self.list(terms[0].0.count());
         succeeded(self.field.borrow_mut().combine(&terms, &sum));
+        self.keep(sum)
+    }
+
+    fn with_flow(
+        &self,
+        velocities: &RemoteList,
+        positions: &RemoteList,
+        flow: &BackgroundFlow,
+        times: f64,
+    ) -> RemoteList {
+        self.release_unused();
+        let columns = [self.held(velocities)];
+        let (sum, gradient) = (self.list(columns[0].count()), by_rows(&flow.gradient()));
+        let (positions, weights) = (Some(self.held(positions)), &[[times, 0.0, 0.0, 0.0]]);
+        let input = StepInput { columns: &columns, positions, gradient, weights, ..StepInput::default() };
+        succeeded(self.field.borrow_mut().add_flow(&input, &sum));
         self.keep(sum)
     }
 

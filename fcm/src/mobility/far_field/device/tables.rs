@@ -1,5 +1,6 @@
 //! Tables of a plan for a device.
 
+use super::by_rows;
 use crate::envelope::{Common, Envelope};
 use crate::grid::window::{KaiserBessel, Pieces, WindowLattice};
 use crate::mobility::far_field::grid::operator;
@@ -125,7 +126,7 @@ impl PlanTables {
             strain: cell.strain(),
             tilts: cell.tilts(),
             lowest: self.first_point.z,
-            axes: cell.axes().map(|axes| axes.transpose().to_cols_array()),
+            axes: cell.axes().map(by_rows),
             smoothing: (0..self.envelopes.len()).map(smoothing).collect(),
             levels: std::array::from_fn(|axis| self.levels(axis)),
         }

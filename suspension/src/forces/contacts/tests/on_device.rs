@@ -8,7 +8,9 @@ use crate::flow::periodic_cell::PeriodicCell;
 use crate::model::{Protocol, ShearRates};
 use crate::neighbourhood::NeighbourLists;
 use domain::{Boundaries, Column, Comm, Partition, PeriodicBox, Random, RemoteList, Traceless, Units, Vector};
-use fcm::{Costs, Fixed, Loading, Method, Mobility, Motion, Multipoles, Plan, Precision, Problem, StressletSolver};
+use fcm::{
+    Costs, Fixed, Loading, Method, Mobility, Motion, MovingFlow, Multipoles, Plan, Precision, Problem, StressletSolver,
+};
 use gpu::Emulator;
 use hydrodynamics::{CoupledSolver, HeldContacts, ShortRange};
 use lubrication::Elasticity;
@@ -148,7 +150,7 @@ impl Crowd {
                 expected: Some(&expected).filter(|_| is_predicted),
                 history: history.as_ref(),
                 previous: Some(previous.each_ref()),
-                flow: &flow,
+                flow: MovingFlow { flow, carried: flow },
             };
             solver.hold_loads(&Loads::default(), &particles);
             let held = solver.contact_loads(&self.cell, &particles, &contacts).unwrap();

@@ -13,6 +13,8 @@ pub(super) struct Moving {
     pub case: Case,
     pub columns: Vec<Vec<Vector>>,
     pub flow: BackgroundFlow,
+    /// Deformation of separations by a flow that advects the particles.
+    pub deformation: Tensor,
 }
 
 /// A pair: rows of a sphere and of another, of which this is an image, the vector from the image, and the relative
@@ -22,6 +24,7 @@ pub(super) struct MovingPair {
     pub separation: Vector,
     pub velocities: Vec<Vector>,
     pub radii: [f64; 2],
+    deformation: Tensor,
 }
 
 /// The same on a device.
@@ -33,6 +36,7 @@ pub(super) struct Held {
     pub columns: Vec<RemoteList>,
     places: Vec<u32>,
     flow: BackgroundFlow,
+    deformation: Tensor,
 }
 
 impl MovingPair {
@@ -41,7 +45,7 @@ impl MovingPair {
     }
 
     pub fn after(&self, weights: &DisplacementWeights) -> Vector {
-        self.separation + self.velocities.iter().zip(weights).map(|(&v, &w)| v * w).sum::<Vector>()
+        self.deformation * (self.separation + self.velocities.iter().zip(weights).map(|(&v, &w)| v * w).sum::<Vector>())
     }
 
     pub fn gap_after(&self, weights: &DisplacementWeights) -> f64 {
@@ -72,10 +76,13 @@ impl Moving {
         case.particles.radii.iter_mut().for_each(|a| *a *= UNIT);
         let gradient =
             Tensor::from_cols(Vector::new(0.0, 0.1, 0.0), Vector::new(0.7, 0.0, -0.3), Vector::new(0.2, 0.4, 0.0));
-        let flow = BackgroundFlow::with_gradient(gradient).unwrap();
+        let (flow, deformation) = match shape {
+            Shape::Tilted => (BackgroundFlow::NONE, Tensor::IDENTITY + gradient * 0.01),
+            _ => (BackgroundFlow::with_gradient(gradient).unwrap(), Tensor::IDENTITY),
+        };
         let columns = (0..columns)
             .map(|_| case.particles.positions.iter().map(|&x| flow.velocity(x) + 0.3 * UNIT * vector()).collect());
-        Self { columns: columns.collect(), flow, case }.with_other_ids()
+        Self { columns: columns.collect(), flow, deformation, case }.with_other_ids()
     }
 
     /// The given spheres in a cube, with one column of velocities.
@@ -87,7 +94,7 @@ impl Moving {
             case.particles.push(id as u64, position, radius, 0);
         }
         let columns = vec![spheres.iter().map(|&(.., velocity)| velocity).collect()];
-        Self { case, columns, flow: BackgroundFlow::NONE }.with_other_ids()
+        Self { case, columns, flow: BackgroundFlow::NONE, deformation: Tensor::IDENTITY }.with_other_ids()
     }
 
     fn with_other_ids(mut self) -> Self {
@@ -108,7 +115,8 @@ impl Moving {
                 if separation.length() < reach && (i, [0; 3]) != (j, steps) {
                     let of_image = self.flow.velocity(lattice);
                     let velocities = self.columns.iter().map(|of| of[i] - (of[j] + of_image)).collect();
-                    near.push(MovingPair { rows: [i, j], separation, velocities, radii: [radii[i], radii[j]] });
+                    let (radii, deformation) = ([radii[i], radii[j]], self.deformation);
+                    near.push(MovingPair { rows: [i, j], separation, velocities, radii, deformation });
                 }
             }
         }
@@ -135,13 +143,15 @@ impl Moving {
             far.arrange(cell, &moved);
         }
         let columns = self.columns.iter().map(|column| hold(column)).collect();
-        Held { _far: far, holder, steps, positions, columns, places, flow: self.flow }
+        let &Self { flow, deformation, .. } = self;
+        Held { _far: far, holder, steps, positions, columns, places, flow, deformation }
     }
 }
 
 impl Held {
     pub fn velocities(&self) -> HeldVelocities<'_> {
-        HeldVelocities { positions: &self.positions, columns: &self.columns, flow: &self.flow }
+        let deformation = self.deformation;
+        HeldVelocities { positions: &self.positions, columns: &self.columns, flow: &self.flow, deformation }
     }
 
     /// Vectors of a list by rows.

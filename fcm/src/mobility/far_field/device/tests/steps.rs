@@ -123,7 +123,7 @@ fn assert_near(found: f64, exact: f64, what: &str) {
 /// radii.
 fn cases(seeds: std::ops::Range<u64>) -> impl Iterator<Item = (u64, Moving, Precision, f64)> {
     seeds.map(|seed| {
-        let shape = [Shape::Sheared, Shape::Upright][seed as usize / 2 % 2];
+        let shape = [Shape::Sheared, Shape::Upright, Shape::Tilted][seed as usize / 2 % 3];
         let precision = [Precision::Single, Precision::Double][seed as usize / 3 % 2];
         let moving = Moving::random(seed, shape, 2 + seed as usize % 3);
         let largest = moving.case.particles.radii.iter().copied().fold(0.0, f64::max);
@@ -216,7 +216,8 @@ fn without_particles_there_is_nothing() {
     let coupled = far.coupled().unwrap();
     let (holder, steps): (_, Rc<dyn HeldSteps>) = (coupled.holder(), coupled.steps());
     let (positions, columns) = (holder.hold(&[]), [holder.hold(&[])]);
-    let velocities = HeldVelocities { positions: &positions, columns: &columns, flow: &moving.flow };
+    let (flow, deformation) = (&moving.flow, moving.deformation);
+    let velocities = HeldVelocities { positions: &positions, columns: &columns, flow, deformation };
     let orders = DisplacementOrders::Two(&[[1.0; 4], [0.0; 4]]);
     let error = steps.displacement_error(&columns, &orders);
     assert_eq!(error, DisplacementError { error: 0.0, roughness: 0.0 });

@@ -1,0 +1,135 @@
+//! Oscillatory shear and extensions, which advect spheres that move on an emulator of a card.
+
+use super::implicit::{agree, dense, difference, exact, touching};
+use super::*;
+use crate::model::{BrownianScheme, Extension};
+
+const ALL: [Extension; 3] = [Extension::Planar, Extension::Uniaxial, Extension::Biaxial];
+
+fn oscillating(parameters: &mut Parameters) {
+    parameters.flow = Flow::Shear { rate: 4.0, lees_edwards: true };
+    parameters.protocol = Protocol::Oscillation { frequency: 40.0 };
+}
+
+fn extended(kind: Extension, rate: f64) -> impl Fn(&mut Parameters) {
+    move |parameters| {
+        parameters.cell = kind.cell(parameters.cell.edges()).unwrap();
+        parameters.flow = Flow::Extension { kind, rate };
+    }
+}
+
+/// Explicit steps of a length, with lubrication and repulsion.
+fn steady(change: impl FnOnce(&mut Parameters)) -> Model {
+    model([12, 8], |parameters| {
+        parameters.hydrodynamics.lubrication = true;
+        parameters.repulsion = Some(Repulsion { radius_power: 2, range: Some(0.2), ..Repulsion::new(20.0) });
+        change(parameters);
+    })
+}
+
+/// Implicit steps with contacts, and control of the error.
+fn frictional(change: impl FnOnce(&mut Parameters)) -> Model {
+    dense(|parameters| {
+        parameters.contacts = Some(touching());
+        change(parameters);
+    })
+}
+
+/// Explicit steps whose length adapts.
+fn adaptive(change: impl FnOnce(&mut Parameters)) -> Model {
+    dense(|parameters| {
+        parameters.repulsion = Some(Repulsion { radius_power: 2, range: Some(0.1), ..Repulsion::new(30.0) });
+        parameters.integrator = Integrator::Adaptive(Adaptive::default());
+        change(parameters);
+    })
+}
+
+#[test]
+fn spheres_oscillate_as_on_the_host() {
+    agree(&exact(&steady(oscillating)), 1e-6);
+    agree(&exact(&frictional(oscillating)), 1e-6);
+    agree(&adaptive(oscillating), 1e-3);
+}
+
+#[test]
+fn spheres_are_stretched_as_on_the_host() {
+    agree(&exact(&steady(extended(Extension::Planar, 1.0))), 1e-6);
+    agree(&exact(&frictional(extended(Extension::Uniaxial, 1.0))), 1e-6);
+    agree(&adaptive(extended(Extension::Biaxial, 1.0)), 1e-3);
+}
+
+/// Lattice vectors change within the steps, and lattice steps have the names of the host; so have past velocities, which
+/// are deformed with the box.
+#[test]
+fn lattices_are_renamed_as_on_the_host() {
+    for kind in ALL {
+        let model = model([8, 4], extended(kind, 25.0));
+        let [start, mut host] = [(); 2].map(|()| started(&model, None));
+        let mut card = on(started(&model, None), emulator(1).0);
+        let mut renamed = 0;
+        for _ in 0..STEPS {
+            let before = host.cell().lattice_vectors();
+            host.step().unwrap();
+            card.step().unwrap();
+            assert!(card.particles.are_remote());
+            let stretched = before.map(|vector| kind.stretch(0.25) * vector);
+            let is_other = |(one, other): (&Vector, &Vector)| (*one - *other).length() > 1e-6;
+            renamed += usize::from(stretched.iter().zip(&host.cell().lattice_vectors()).any(is_other));
+        }
+        let [error, moved] = [&card, &start].map(|run| distance(run, &host));
+        assert!(error < 1e-4 * moved, "{kind:?}: {error:e} of {moved:e}");
+        let steps = [&card, &host].map(|run| run.gathered(None).steps);
+        assert_eq!(steps[0], steps[1]);
+        assert!(renamed > 0 && steps[0].iter().filter(|steps| **steps != [0; 3]).count() > 3);
+        let past = difference(PAST[0], [&card, &host]);
+        assert!(past < 1e-4, "{kind:?}: {past:e}");
+    }
+}
+
+/// In thermal motion too.
+#[test]
+fn brownian_spheres_are_stretched_as_on_the_host() {
+    for change in [Box::new(extended(Extension::Planar, 1.0)) as Box<dyn Fn(&mut Parameters)>, Box::new(oscillating)] {
+        let model = exact(&steady(|parameters| {
+            change(parameters);
+            parameters.thermal_energy = Some(10.0);
+            parameters.integrator = Integrator::Brownian(BrownianScheme::Midpoint);
+        }));
+        let [start, mut host] = [(); 2].map(|()| started(&model, None));
+        let mut card = on(started(&model, None), emulator(1).0);
+        for step in 0..3 {
+            host.step().unwrap();
+            card.step().unwrap();
+            assert!(card.particles.are_remote());
+            let [error, moved] = [&card, &start].map(|run| distance(run, &host));
+            assert!(error < 1e-6 * moved, "step {step}: {error:e} of {moved:e}");
+        }
+    }
+}
+
+/// A step copies settings and sums, however many spheres there are.
+#[test]
+fn particles_stay_on_the_card() {
+    for model in [steady(oscillating), steady(extended(Extension::Planar, 1.0))] {
+        // Velocities are made relative to the flow, and absolute again.
+        stays_with_settings(&model, 2300);
+    }
+}
+
+/// A run that is resumed, with other orders of threads, and one that is interrupted and read have the bits of a run
+/// that goes on.
+#[test]
+fn resumed_and_interrupted_runs_have_the_same_bits() {
+    for model in [frictional(oscillating), steady(extended(Extension::Planar, 40.0))] {
+        let state = advanced(on(started(&model, None), emulator(1).0), 3).state();
+        let mut resumed = on(started(&model, None), emulator(2).0);
+        for seed in 3..6 {
+            resumed.step().unwrap();
+            resumed = on(started(&model, Some(&mut resumed)), emulator(seed).0);
+        }
+        assert!(resumed.state() == state, "resumed");
+        let mut interrupted = on(started(&model, None), emulator(1).0);
+        (0..3).for_each(|step| step_interrupted(&mut interrupted, step == 1));
+        assert!(interrupted.state() == state, "interrupted");
+    }
+}
