@@ -69,8 +69,8 @@ impl Particles {
     }
 
     /// Moves particles in a memory by their displacements and with the flow of a frame, and wraps them into its box.
-    /// Columns of velocities, by their names, change with the frame of reference of a particle and with the flow. Returns `false`, with no other
-    /// effect, if a particle is lost.
+    /// Columns of velocities, by their names, change with the frame of reference of a particle and with the flow.
+    /// Returns `false`, with no other effect, if a particle is lost.
     ///
     /// # Panics
     ///
@@ -172,8 +172,7 @@ mod tests {
     }
 
     fn frame(cell: &PeriodicBox) -> RemoteFrame<'_> {
-        let renaming = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
-        RemoteFrame { cell, gradient: GRADIENT, deformation: Tensor::IDENTITY, renaming, farthest: 1e3 }
+        RemoteFrame::new(cell, GRADIENT, 1e3)
     }
 
     fn displace(particles: &mut Particles) {

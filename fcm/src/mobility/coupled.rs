@@ -71,6 +71,13 @@ pub struct MovingFlow {
     pub carried: BackgroundFlow,
 }
 
+impl MovingFlow {
+    /// A flow that velocities contain while particles move.
+    pub fn carrying(flow: BackgroundFlow) -> Self {
+        Self { flow, carried: flow }
+    }
+}
+
 /// Predicted velocities of particles that move where the far field is evaluated.
 #[derive(Clone, Copy)]
 pub struct PredictedVelocities<'a> {
@@ -270,7 +277,7 @@ pub struct SolutionColumns {
     pub stresslets: ColumnValues,
     /// Rates of strain besides that of the background.
     pub strain_rates: ColumnValues,
-    /// Velocities with those of [`MovingFlow::carried`] and angular velocities with those of the background, of particles
-    /// that move where the far field is evaluated.
+    /// Velocities with those of [`MovingFlow::carried`] and angular velocities with those of the background, of
+    /// particles that move where the far field is evaluated.
     pub moving: Option<[ColumnValues; 2]>,
 }

@@ -8,8 +8,8 @@ mod substep;
 
 use domain::{Boundaries, Comm, Particles, Partition, PeriodicBox, RemoteFrame, Traceless, Vector, random_packing};
 use fcm::{
-    Costs, Fixed, HeldDraw, Loading, Loads, Method, Mobility, Multipoles, Output, PastSolutions, Plan, Precision,
-    Problem, SolutionColumns, Stream, StressletSolver,
+    Costs, Fixed, HeldDraw, Loading, Loads, Method, Mobility, MovingFlow, Multipoles, Output, PastSolutions, Plan,
+    Precision, Problem, SolutionColumns, Stream, StressletSolver,
 };
 use gpu::{Counted, Device, DeviceCounts, Emulator};
 use hydrodynamics::{CoupledSolver, Guess, HeldFluctuations, ShortRange, SolveInput, StrainRate};
@@ -187,7 +187,7 @@ impl CountedCase {
             advance(on_card, moving, &cell);
         }
         let shear = SolveInput::new(&loads, StrainRate::uniform(flow.strain_rate()));
-        let shear = SolveInput { keeps_columns: true, moving_in: Some(&flow), ..shear };
+        let shear = SolveInput { keeps_columns: true, moving_in: Some(MovingFlow::carrying(flow)), ..shear };
         let solution = on_card.solve(&cell, moving, &shear, extrapolated(past.make_contiguous()))?;
         let columns = solution.kept.ok_or("the card keeps no solutions")?.columns;
         if let Some([velocities, _]) = &columns.moving {
@@ -211,7 +211,7 @@ impl CountedCase {
         const MISSING: &str = "the card draws no motions";
         let (cell, flow) = (self.cell(STRAIN + STEPS_BEFORE as f64 * STEP)?, BackgroundFlow::shear(1.0));
         let (none, stream) = (Loads::default(), Stream::new(1, number));
-        let draw = HeldDraw { particles: moving, tolerance: TOLERANCE, stream, amplitude: AMPLITUDE, flow: &flow };
+        let draw = HeldDraw { particles: moving, tolerance: TOLERANCE, stream, amplitude: AMPLITUDE, carried: &flow };
         let (motions, drawn) = on_card.draw_motions(&cell, &draw).ok_or(MISSING)?;
         moving.set_column(DRAWN, 3, motions.velocities);
         moving.displace_by([DRAWN], [0.5 * STEP]);
@@ -222,7 +222,7 @@ impl CountedCase {
         let loads = on_card.draw_loads(&cell, moving, stream, AMPLITUDE).ok_or(MISSING)?;
         let fluctuations = HeldFluctuations { ambient: motions.ambient, loads };
         let shear = SolveInput::new(&none, StrainRate::uniform(flow.strain_rate()));
-        let moving_in = Some(&flow);
+        let moving_in = Some(MovingFlow::carrying(flow));
         let input = SolveInput { keeps_columns: true, moving_in, fluctuations: Some(&fluctuations), ..shear };
         let solution = on_card.solve(&cell, moving, &input, Guess::default())?;
         let [velocities, _] = solution.kept.and_then(|kept| kept.columns.moving).ok_or("the card keeps no motions")?;
@@ -236,7 +236,7 @@ impl CountedCase {
 /// Moves particles on the card by their displacements and wraps them into the box.
 fn advance(on_card: &CoupledSolver, moving: &mut Particles, cell: &PeriodicBox) {
     let holder = on_card.holder().expect("the card moves particles");
-    let frame = RemoteFrame { cell, gradient: BackgroundFlow::shear(1.0).gradient(), farthest: 1e9 };
+    let frame = RemoteFrame::new(cell, BackgroundFlow::shear(1.0).gradient(), 1e9);
     assert!(moving.advance_remotely(frame, |name| [VELOCITY, DRAWN, substep::EXPECTED].contains(&name), holder));
 }
 

@@ -1,8 +1,10 @@
 //! An implicit substep of rough spheres.
 
 use super::{CountedCase, STEP, STEPS_BEFORE, STRAIN, VELOCITY, advance, extrapolated};
-use domain::{ColumnValues, Particles, PeriodicBox, RemoteList};
-use fcm::{DisplacementOrders, DisplacementWeights, HeldVelocities, Loads, SeparationLimits, SolutionColumns};
+use domain::{ColumnValues, Particles, PeriodicBox, RemoteList, Tensor};
+use fcm::{
+    DisplacementOrders, DisplacementWeights, HeldVelocities, Loads, MovingFlow, SeparationLimits, SolutionColumns,
+};
 use hydrodynamics::{CoupledSolver, HeldContacts, HeldForces, HeldPrediction, SolveInput, StrainRate, TooManyContacts};
 use lubrication::{Contact, Elasticity, LubricationRange};
 use solver::BackgroundFlow;
@@ -56,7 +58,7 @@ impl CountedCase {
             expected: Some(&expected),
             history: previous.as_ref(),
             previous: None,
-            flow: &flow,
+            flow: MovingFlow::carrying(flow),
         };
         let loads = on_card
             .contact_loads(&cell, moving, &contacts)
@@ -64,7 +66,12 @@ impl CountedCase {
         let prediction = Some(HeldPrediction { time: STEP, velocities: expected.clone() });
         let forces = HeldForces { prediction, contacts: Some(loads) };
         let shear = SolveInput::new(&none, StrainRate::uniform(flow.strain_rate()));
-        let input = SolveInput { keeps_columns: true, moving_in: Some(&flow), held_forces: Some(&forces), ..shear };
+        let input = SolveInput {
+            keeps_columns: true,
+            moving_in: Some(MovingFlow::carrying(flow)),
+            held_forces: Some(&forces),
+            ..shear
+        };
         let solution = on_card.solve(&cell, moving, &input, extrapolated(past.make_contiguous()))?;
         let columns = solution.kept.ok_or("the card keeps no solutions")?.columns;
         let [.., velocity, rotation] = &columns.guessed;
@@ -107,7 +114,8 @@ impl MeasuredMove<'_> {
         let (steps, is_predicted) = (Rc::clone(on_card.steps().ok_or(ELSEWHERE)?), columns[0] == columns[1]);
         let positions = moving.positions.remote_list().ok_or(ELSEWHERE)?.clone();
         let lists = [held(on_card, moving, columns[0])?, held(on_card, moving, columns[1])?];
-        let velocities = HeldVelocities { positions: &positions, columns: &lists, flow };
+        let deformation = Tensor::IDENTITY;
+        let velocities = HeldVelocities { positions: &positions, columns: &lists, flow, deformation };
         let weights: DisplacementWeights = [step, if is_predicted { 0.0 } else { -step }, 0.0, 0.0];
         let orders = [weights, [0.0; 4]];
         let orders = DisplacementOrders::Two(&orders);

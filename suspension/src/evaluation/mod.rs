@@ -71,8 +71,8 @@ pub struct Dynamics {
     smallest_radius: f64,
     largest_radius: f64,
     tolerance: f64,
-    /// Whether the particles of the model move where the far field is evaluated, if it can move particles.
-    can_move_remotely: bool,
+    /// The key of the model by which particles move here even if the far field can move particles.
+    moves_here_by: Option<&'static str>,
     /// Detector of pairs that Brownian motion brings too close to each other.
     overlap_monitor: Option<OverlapMonitor>,
     /// Largest weight of negative eigenvalues that were clipped in the near field of random motions.
@@ -122,7 +122,7 @@ impl Dynamics {
             is_implicit,
             needs_pairs: is_implicit || model.integrator == Integrator::Brownian(BrownianScheme::TwoEvaluations),
             rigid: model.hydrodynamics.multipoles == MultipoleOrder::Dipole,
-            can_move_remotely: model.moves_on_host_by().is_none(),
+            moves_here_by: model.moves_on_host_by(),
             viscosity: model.viscosity,
             tolerance: model.hydrodynamics.tolerance,
             clipped: 0.0,

@@ -24,7 +24,7 @@ impl Dynamics {
 
     /// Whether particles move where the far field is evaluated.
     fn moves_remotely(&mut self, particles: &Particles) -> bool {
-        self.can_move_remotely
+        self.moves_here_by.is_none()
             && !rotation::is_oriented(particles)
             && !self.forces.need_positions(self.is_implicit)
             && self.fits_slots(particles)

@@ -1,18 +1,18 @@
 //! The simulation box in time: static, sheared (Lees-Edwards), stretched (Kraynik-Reinelt), or open.
 
+mod advection;
 mod remote;
 #[cfg(test)]
 mod tests;
 
-use crate::bodies;
 use crate::columns::are_velocities;
 use crate::flow::constant_flux::ConstantFluxState;
-use crate::flow::deformation::Deformation;
 use crate::flow::kraynik_reinelt::{Matrix, Named, StretchingLattice};
 use crate::flow::stress_control::{Search, StressControl, StressTarget};
 use crate::model::{Extension, ShearRates};
-use domain::parallel::{change_rows, copied, equal};
-use domain::{Boundaries, Particles, PeriodicBox, Scalars, Tensor, Traceless, Vector};
+use advection::carry_by;
+use domain::parallel::{copied, equal};
+use domain::{Boundaries, Particles, PeriodicBox, Scalars, Traceless, Vector};
 use hydrodynamics::Poiseuille;
 use hydrodynamics::StrainRate;
 use simulation::Clock;
@@ -214,39 +214,6 @@ impl PeriodicCell {
         self.driven.as_ref().map_or(f64::INFINITY, |driven| LONGEST_STRAIN / driven.rate().abs())
     }
 
-    /// Whether velocities are relative to the flow while particles move.
-    pub fn advects(&self) -> bool {
-        self.rates.frequency().is_some()
-            || self.driven.is_some()
-            || matches!(self.motion, CellMotion::Stretching(_) | CellMotion::Open(_))
-    }
-
-    /// Velocity gradient of the flow relative to which velocities are while particles move, if they are.
-    pub fn advecting_gradient(&self) -> Option<Tensor> {
-        self.advects().then(|| self.flow.gradient())
-    }
-
-    /// Deformation of the box that advects the particles, over a coming time; under stress control, `weights` are those
-    /// of the present and past rates and of the mean over the last substep.
-    pub fn advect(&self, duration: f64, weights: [f64; 3]) -> Deformation {
-        self.deformation(match &self.driven {
-            Some(driven) => driven.advect(weights),
-            None if self.advects() => self.rates.strain(self.time + duration) - self.rates.strain(self.time),
-            None => 0.0,
-        })
-    }
-
-    /// Deformation by the flow over a strain.
-    pub fn deformation(&self, strain: f64) -> Deformation {
-        match &self.motion {
-            CellMotion::Stretching(lattice) => Deformation::Stretch(lattice.kind().stretch(strain)),
-            CellMotion::Open(extension) => Deformation::Stretch(extension.stretch(strain)),
-            CellMotion::Still | CellMotion::Shearing => {
-                Deformation::Shear(Vector::AXES[self.start.gradient_axis()] * strain)
-            }
-        }
-    }
-
     /// Background flow.
     pub fn flow(&self) -> &BackgroundFlow {
         &self.flow
@@ -341,19 +308,6 @@ impl PeriodicCell {
         }
     }
 
-    /// Deformation by the flow, if it advects the particles, from the present to a time, at given rates.
-    fn deformation_to(&self, time: f64) -> Deformation {
-        let is_advecting = self.advects();
-        self.deformation(if is_advecting { self.rates.strain(time) - self.rates.strain(self.time) } else { 0.0 })
-    }
-
-    /// Continues with the rate at a time, if it varies continuously.
-    fn set_rate_at(&mut self, time: f64) {
-        if self.rates.frequency().is_some() {
-            self.set_rate(self.rates.before_time(time));
-        }
-    }
-
     /// Matrix that converts lattice steps to other vectors of the box.
     fn renamed(&self, vectors: Vectors) -> Matrix {
         match (&self.motion, self.vectors, vectors) {
@@ -393,18 +347,4 @@ fn velocities(particles: &mut Particles) -> impl Iterator<Item = &mut [Vector]> 
 /// Shear flow of a rate in a box: its gradient is along y, or along z between walls.
 fn shear(cell: &PeriodicBox, rate: f64) -> BackgroundFlow {
     if cell.gradient_axis() == 2 { BackgroundFlow::couette(rate) } else { BackgroundFlow::shear(rate) }
-}
-
-/// Advects particles with a flow, together with their velocities relative to it. Bodies are advected with their centres
-/// and not deformed.
-fn carry_by(deformation: Deformation, particles: &mut Particles) {
-    let carry = |vectors: &mut [Vector]| change_rows(vectors, |_, vector| *vector = deformation.of(*vector));
-    let arms = bodies::arms(particles);
-    if arms.is_empty() {
-        carry(&mut particles.positions);
-    } else {
-        let carry = |row: usize, place: Vector| deformation.of(place - arms[row]) + arms[row];
-        change_rows(&mut particles.positions, |row, place| *place = carry(row, *place));
-    }
-    velocities(particles).for_each(carry);
 }

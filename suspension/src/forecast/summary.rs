@@ -331,3 +331,29 @@ impl MemoryForecast {
             .value("memory_bytes", self.needs.iter().map(|need| need.resident.ceil() as u64).collect::<Vec<_>>())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::{Parameters, Species};
+    use domain::Vector;
+    use gpu::DeviceInfo;
+
+    /// Text of the lines about a card.
+    fn of_card(model: &Model, ranks: usize) -> String {
+        let card = DeviceInfo { name: "NVIDIA H200".to_owned(), identity: [7; 16], total_bytes: 1e9, free_bytes: 9e8 };
+        let memory = CardMemory { card, bytes: 1e6, ranks, on_card: 1 };
+        with_card(Outline::default(), Some(memory), model).to_string()
+    }
+
+    #[test]
+    fn a_card_moves_spheres_or_the_key_is_named() {
+        let model = |boundaries| {
+            let cell = PeriodicBox::new(Vector::splat(9.0)).unwrap().with_boundaries(boundaries).unwrap();
+            Model::new(Parameters::new(cell, 1.0, vec![Species::new("one", 1.0, 2)], 0.01, 1)).unwrap()
+        };
+        assert!(of_card(&model(Boundaries::Periodic), 1).contains("spheres move on the card"));
+        assert!(of_card(&model(Boundaries::Walls), 1).contains("on the host, by box.boundaries"));
+        assert!(of_card(&model(Boundaries::Periodic), 2).contains("on the host, by the number of ranks"));
+    }
+}

@@ -1,4 +1,4 @@
-//! Where the spheres of a model move, if the far field is evaluated on a card.
+//! Motion of the spheres of a model on the host, if the far field is evaluated on a card.
 
 use super::{BrownianScheme, Integrator, Model, MultipoleOrder};
 use domain::Boundaries;

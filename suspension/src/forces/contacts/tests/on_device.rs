@@ -150,7 +150,7 @@ impl Crowd {
                 expected: Some(&expected).filter(|_| is_predicted),
                 history: history.as_ref(),
                 previous: Some(previous.each_ref()),
-                flow: MovingFlow { flow, carried: flow },
+                flow: MovingFlow::carrying(flow),
             };
             solver.hold_loads(&Loads::default(), &particles);
             let held = solver.contact_loads(&self.cell, &particles, &contacts).unwrap();

@@ -6,8 +6,8 @@ use domain::{RemoteDisplacement, RemoteFrame, Tensor};
 /// Lattice coordinates over the edges: on the faces, next to them as near as numbers are, and some edges away.
 const PLACES: [f64; 9] = [0.0, 1.0, -1e-17, -1e-300, 1.0 - f64::EPSILON / 2.0, 1.0 + f64::EPSILON, -1.0, 2.7, -3.4];
 
-/// Particles are inside the box, from where their lattice steps lead back to where the flow carries them, and velocities
-/// change by that of images across these steps.
+/// Particles are inside the box, from where their lattice steps lead back to where the flow carries them, and
+/// velocities change by that of images across these steps.
 #[test]
 fn particles_are_inside_the_box_after_a_displacement() {
     for shape in PERIODIC {
