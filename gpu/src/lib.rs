@@ -25,6 +25,7 @@ mod far_field;
 mod groups;
 mod history;
 mod images;
+mod known;
 mod krylov;
 mod krylov_state;
 mod lists;
@@ -66,6 +67,7 @@ pub use history::{
     PastLists, StoredResult,
 };
 pub use images::ImageLists;
+pub use known::{ChangeColumns, KnownLists};
 pub use krylov::{KrylovOperator, ParticleDraw};
 pub use krylov_state::MOST_VECTORS;
 pub use lists::{DeviceList, MotionLists};

@@ -132,7 +132,7 @@ impl Dynamics {
     }
 
     /// Measures of displacements where particles move.
-    fn steps(&self) -> Rc<dyn HeldSteps> {
+    pub(super) fn steps(&self) -> Rc<dyn HeldSteps> {
         Rc::clone(self.hydrodynamics.steps().expect(ELSEWHERE))
     }
 

@@ -8,8 +8,7 @@ use domain::Particles;
 
 impl Dynamics {
     /// Moves particles to where the far field is evaluated, if nothing else needs their positions in each step: free
-    /// spheres without orientations, in explicit or implicit steps or those of the Brownian midpoint scheme, whose
-    /// forces are steady or added there. Between steps.
+    /// spheres without orientations, whose forces are steady or added there. Between steps.
     pub(super) fn move_to_far_field(&mut self, particles: &mut Particles) {
         if particles.are_remote() || !self.moves_remotely(particles) {
             return;
@@ -27,11 +26,10 @@ impl Dynamics {
         let is_plain = self.rigid && self.swimmers.is_none() && self.following.is_none();
         let are_free = !bodies::exist(particles) && !rotation::is_oriented(particles);
         let are_placed_by_flow = self.moving.advects() || self.moving.total_poiseuille().is_some();
-        (self.is_implicit || !self.needs_pairs)
-            && is_plain
+        is_plain
             && are_free
             && !are_placed_by_flow
-            && !self.forces.need_positions(self.is_implicit)
+            && !self.forces.need_positions(self.needs_pairs)
             && self.fits_slots(particles)
             && self.hydrodynamics.moves_particles()
     }

@@ -232,11 +232,11 @@ impl Forces {
         self.bonds.as_ref().is_some_and(Bonds::have_beams)
     }
 
-    /// Whether a force needs positions here in each evaluation of particles that move where the far field is evaluated,
-    /// which adds implicit forces between surfaces and at contacts.
-    pub fn need_positions(&self, are_implicit: bool) -> bool {
+    /// Whether a force needs positions here in each evaluation of particles that move where the far field is evaluated.
+    /// Forces between surfaces and at contacts do not, if they are added there.
+    pub fn need_positions(&self, are_added: bool) -> bool {
         let Self { contacts, bonds, traps, dipoles, others, applied, registered, .. } = self;
-        let are_near = !are_implicit && (self.range_in_solves.is_some() || contacts.is_some());
+        let are_near = !are_added && (self.range_in_solves.is_some() || contacts.is_some());
         let are_tied = bonds.is_some() || traps.is_some();
         let are_many = dipoles.is_empty() && others.is_empty() && registered.is_empty() && applied.is_empty();
         are_near || are_tied || !are_many
