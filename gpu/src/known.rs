@@ -91,7 +91,8 @@ impl SplitFarField {
         self.launch_particles("load_known_all", &task)
     }
 
-    /// Stores the motions of the fluid for which a known solution is exact, from its residual, and its total stresslets.
+    /// Stores the motions of the fluid for which a known solution is exact, from its residual, and its total
+    /// stresslets.
     pub fn store_residual(
         &mut self,
         lists: &KnownLists,
@@ -102,7 +103,7 @@ impl SplitFarField {
         self.launch_moments(&start.motions, list_y)?;
         let known = self.place_known(&KnownColumns::new(lists))?;
         let [residual, list_x] = [*residual, start.moments].map(|list| list.address);
-        self.launch_particles("store_residual_all", &KernelTask { known, residual, list_x, list_y, ..self.task })
+        self.launch_particles("store_residual_all", &KernelTask { list_x, list_y, residual, known, ..self.task })
     }
 
     /// Stores the change of a known solution after a change of the unknowns from a start, see

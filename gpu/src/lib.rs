@@ -72,7 +72,8 @@ pub use krylov::{KrylovOperator, ParticleDraw};
 pub use krylov_state::MOST_VECTORS;
 pub use lists::{DeviceList, MotionLists};
 pub use memory::{
-    EvaluationBytes, EvaluationSize, HISTORY_BYTES, NearSize, SUBSTEP_BYTES, SolveKind, bytes_of_contacts,
+    DIFFERENCE_BYTES, EvaluationBytes, EvaluationSize, HISTORY_BYTES, NearSize, SUBSTEP_BYTES, SolveKind,
+    bytes_of_contacts,
 };
 pub use near::{PairLimits, PairSolve, PairVectors};
 pub use near_tables::{NearKind, NearTables};

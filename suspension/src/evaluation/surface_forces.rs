@@ -6,8 +6,8 @@ use domain::Particles;
 
 impl Dynamics {
     /// Leaves the forces of pairs between surfaces to the solver, if its back end adds them up: those of free spheres,
-    /// in steps that do not need these pairs here. Other steps leave them to it while particles move there. Pairs within
-    /// a rigid body have no forces.
+    /// in steps that do not need these pairs here. Other steps leave them to it while particles move there. Pairs
+    /// within a rigid body have no forces.
     pub(super) fn leave_surface_forces(&mut self, particles: &Particles) {
         let Self { forces, hydrodynamics, largest_radius, needs_pairs, .. } = self;
         if bodies::exist(particles) {
