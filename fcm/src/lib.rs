@@ -78,7 +78,9 @@ pub use mobility::coupled::{
     CoupledTolerances, GivenAmbient, GivenLoads, HeldLoads, HeldSprings, KnownSolution, MovingFlow,
     PredictedVelocities, SolutionColumns,
 };
-pub use mobility::fluctuating::{FluctuatingFarField, HeldDraw, HeldMotions, LoadDraw};
+pub use mobility::fluctuating::{
+    ExactConditions, FluctuatingFarField, HeldDraw, HeldMotions, HeldSolution, LoadDraw, SolutionChange,
+};
 pub use mobility::loads::{Loads, Motion, Output};
 pub use mobility::memory::Footprint;
 pub use mobility::noise::Stream;

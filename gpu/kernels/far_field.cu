@@ -12,6 +12,7 @@
 #include "grouping.h"
 #include "history.h"
 #include "images.h"
+#include "known.h"
 #include "krylov.h"
 #include "loads.h"
 #include "noise.h"
@@ -106,10 +107,14 @@ KERNEL(krylov_norm, sum_square)
 KERNEL(guess_all, guess_solution)
 KERNEL(store_all, store_solution)
 KERNEL(compare_all, compare_with_guess)
+KERNEL(load_known_all, load_known)
+KERNEL(store_residual_all, store_residual)
+KERNEL(store_change_all, store_change)
 KERNEL(displace_all, displace)
 KERNEL(place_all, place_particles)
 KERNEL(combine_all, combine_columns)
 KERNEL(add_flow, add_flow_to_velocities)
+KERNEL(limit_all, limit_vectors)
 KERNEL(displacement_error_2, measure_displacements<2>)
 KERNEL(displacement_error_4, measure_displacements<4>)
 KERNEL(load_contacts, contact_loads)

@@ -73,6 +73,19 @@ static __device__ void add_flow_to_velocities(const Task &task)
         ((double *)task.list_y)[3 * row + axis] = step.columns[0][3 * row + axis] + step.weights[0][0] * flow[axis];
 }
 
+// Vectors of the first column, of which none is longer than the first weight times the radius of its particle.
+static __device__ void limit_vectors(const Task &task)
+{
+    int row = thread_index();
+    if (row >= task.particles) return;
+    const StepMotion &step = *task.step;
+    long long place = 3 * (long long)task.places[row];
+    const double *given = step.columns[0] + place;
+    double *limited = (double *)task.list_y + place;
+    double length = length_of(given), longest = step.weights[0][0] * step.radii[task.classes[row]];
+    for (int axis = 0; axis < 3; axis++) limited[axis] = length > longest ? given[axis] * (longest / length) : given[axis];
+}
+
 // Error and roughness from the differences between M displacements and the next ones. As on the host, the maximum
 // ignores NaN.
 template <int M>

@@ -75,6 +75,7 @@ struct SurfacePair;
 struct History;
 struct Displacement;
 struct DrawnMotion;
+struct KnownColumns;
 struct StepMotion;
 struct Contacts;
 struct PredictedMotion;
@@ -170,9 +171,10 @@ struct Task {
     // Columns of solutions, and the places of rows in them.
     const History *history;
     const int *places;
-    // Particles that move, random motions of the fluid at them, and displacements that are measured.
+    // Particles that move, random motions of the fluid at them, solutions with these, and displacements that are measured.
     Displacement *displacement;
     const DrawnMotion *drawn;
+    const KnownColumns *known;
     const StepMotion *step;
     // Contacts and predicted motions whose springs near pairs have, if there are any.
     Contacts *contacts;

@@ -7,7 +7,7 @@ use crate::far_field::{Orders, SplitFarField};
 use crate::lists::DeviceList;
 use crate::pair_rows::PairSet;
 use crate::tables::NumberFormat;
-use crate::task::KernelTask;
+use crate::task::{DeviceAddress, KernelTask};
 
 /// Numbers of a particle in a motion, and in a motion with minus the stresslet.
 const MOTION: usize = 6;
@@ -42,10 +42,26 @@ impl SplitFarField {
         self.download_lists(lists, NumberFormat::Double)
     }
 
-    /// Solution after a change of the unknowns from a start, with the preconditioned residual as a last correction:
-    /// motions, minus the stresslets, and first moments of near pairs by the motions, six, five and five numbers a
-    /// particle.
+    /// Solution after a change of the unknowns from a start, see [`Self::gather_changed`]: motions, minus the
+    /// stresslets, and first moments of near pairs by the motions, six, five and five numbers a particle.
     pub fn copy_changed(&mut self, at: &CoupledVectors, start: &StartInput) -> Result<[Vec<f64>; 3], DeviceError> {
+        let count = self.task.particles as usize;
+        let (changed, moments) = self.gather_changed(at, start)?;
+        let of_far = changed.part(MOTION * count, MOMENTS * count).address;
+        let lists = [(changed.address, MOTION * count), (of_far, MOMENTS * count), (moments, MOMENTS * count)];
+        let found = self.download_lists(lists, NumberFormat::Double)?;
+        self.release(&changed);
+        Ok(found)
+    }
+
+    /// Solution after a change of the unknowns from a start, with the preconditioned residual as a last correction: a
+    /// list of motions, then of minus the stresslets, six and five numbers a particle; and first moments of near pairs
+    /// by the motions.
+    pub(crate) fn gather_changed(
+        &mut self,
+        at: &CoupledVectors,
+        start: &StartInput,
+    ) -> Result<(DeviceList, DeviceAddress), DeviceError> {
         let (count, moments) = (self.task.particles as usize, self.place_of_moments()?);
         let changed = self.wide_list(CHANGED * count)?;
         let [unknowns, preconditioned, image] = [at.unknowns, at.preconditioned, changed].map(|list| list.address);
@@ -53,10 +69,6 @@ impl SplitFarField {
         let task = KernelTask { list_x, unknowns, preconditioned, direction, image, ..self.task };
         self.launch_particles("gather_all_changed", &task)?;
         self.launch_moments(&changed, moments)?;
-        let of_far = changed.part(MOTION * count, MOMENTS * count).address;
-        let lists = [(image, MOTION * count), (of_far, MOMENTS * count), (moments, MOMENTS * count)];
-        let found = self.download_lists(lists, NumberFormat::Double)?;
-        self.release(&changed);
-        Ok(found)
+        Ok((changed, moments))
     }
 }

@@ -116,9 +116,10 @@ pub(crate) struct Buffers {
     pub(crate) history: KnownBuffer,
     pub(crate) places: Buffer,
     pub(crate) compared: Buffer,
-    /// Arguments of a displacement, and of random motions.
+    /// Arguments of a displacement, of random motions, and of known solutions.
     pub(crate) displacement: KnownBuffer,
     pub(crate) drawn: KnownBuffer,
+    pub(crate) known: KnownBuffer,
     pub(crate) contacts: ContactBuffers,
     /// Predicted motions.
     pub(crate) predicted: KnownBuffer,

@@ -25,6 +25,7 @@ mod far_field;
 mod groups;
 mod history;
 mod images;
+mod known;
 mod krylov;
 mod krylov_state;
 mod lists;
@@ -66,11 +67,13 @@ pub use history::{
     PastLists, StoredResult,
 };
 pub use images::ImageLists;
+pub use known::{ChangeColumns, KnownLists};
 pub use krylov::{KrylovOperator, ParticleDraw};
 pub use krylov_state::MOST_VECTORS;
 pub use lists::{DeviceList, MotionLists};
 pub use memory::{
-    EvaluationBytes, EvaluationSize, HISTORY_BYTES, NearSize, SUBSTEP_BYTES, SolveKind, bytes_of_contacts,
+    DIFFERENCE_BYTES, EvaluationBytes, EvaluationSize, HISTORY_BYTES, NearSize, SUBSTEP_BYTES, SolveKind,
+    bytes_of_contacts,
 };
 pub use near::{PairLimits, PairSolve, PairVectors};
 pub use near_tables::{NearKind, NearTables};

@@ -126,6 +126,13 @@ impl SplitFarField {
         self.launch_vectors("add_flow", particles.div_ceil(SUM_THREADS), &task)
     }
 
+    /// Vectors of a column, of which none is longer than `most` times the radius of its particle, by radii of classes.
+    pub fn limit(&mut self, column: DeviceList, radii: &[f64], most: f64, to: &DeviceList) -> Result<(), DeviceError> {
+        let (columns, weights) = (&[column], &[[most, 0.0, 0.0, 0.0]]);
+        let step = self.place_step(&StepInput { radii, columns, weights, ..StepInput::default() })?;
+        self.launch_particles("limit_all", &KernelTask { list_y: to.address, step, ..self.task })
+    }
+
     /// Error and roughness of displacements over the radius, from the weights of differences between two displacements,
     /// or four and the next ones. A number that is not one is the largest.
     pub fn displacement_error(&mut self, input: &StepInput) -> Result<StepMeasures, DeviceError> {

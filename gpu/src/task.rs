@@ -93,6 +93,7 @@ pub struct KernelTask {
     pub(crate) places: DeviceAddress,
     pub(crate) displacement: DeviceAddress,
     pub(crate) drawn: DeviceAddress,
+    pub(crate) known: DeviceAddress,
     pub(crate) step: DeviceAddress,
     pub(crate) contacts: DeviceAddress,
     pub(crate) predicted: DeviceAddress,

@@ -101,6 +101,9 @@ pub trait HeldSteps {
         times: f64,
     ) -> RemoteList;
 
+    /// Vectors of a column, of which none is longer than `most` times the radius of its particle.
+    fn limited(&self, column: &RemoteList, most: f64) -> RemoteList;
+
     /// Error of displacements over the radius of each particle.
     fn displacement_error(&self, columns: &[RemoteList], orders: &DisplacementOrders) -> DisplacementError;
 

@@ -9,8 +9,8 @@ use crate::plan::problem::{Precision, Problem};
 use crate::plan::{Plan, PlanError};
 use domain::{Boundaries, Comm, Place, readable_bytes};
 use gpu::{
-    DeviceError, DeviceInfo, EvaluationSize, HISTORY_BYTES, NearSize, NumberFormat, SUBSTEP_BYTES, SolveKind,
-    bytes_of_contacts,
+    DIFFERENCE_BYTES, DeviceError, DeviceInfo, EvaluationSize, HISTORY_BYTES, NearSize, NumberFormat, SUBSTEP_BYTES,
+    SolveKind, bytes_of_contacts,
 };
 
 /// Largest number of radii of which a device has tables for all pairs.
@@ -77,6 +77,8 @@ pub struct CardSteps {
     pub random_vectors: f64,
     /// Whether steps have several solves.
     pub has_substeps: bool,
+    /// Whether steps have finite differences of random solutions.
+    pub has_differences: bool,
     /// Contacts of a particle at most; 0 without contacts.
     pub slots: usize,
 }
@@ -85,8 +87,9 @@ impl CardSteps {
     /// Bytes of a particle in the columns that steps keep, with the lists of contacts.
     fn bytes(&self) -> f64 {
         let of_substeps = if self.has_substeps { SUBSTEP_BYTES } else { 0.0 };
+        let of_differences = if self.has_differences { DIFFERENCE_BYTES } else { 0.0 };
         let of_contacts = if self.slots > 0 { bytes_of_contacts(self.slots) } else { 0.0 };
-        HISTORY_BYTES + of_substeps + of_contacts
+        HISTORY_BYTES + of_substeps + of_differences + of_contacts
     }
 }
 

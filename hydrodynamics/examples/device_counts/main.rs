@@ -54,10 +54,10 @@ const GROUPS: [(&str, &[&str]); 11] = [
     ("far field", &["gather_loads", "spread_", "transform", "solve_", "interpolate_", "pair_motions"]),
     ("near pairs, and preconditioner", &["row_loads", "step_pairs", "turn_pairs", "remainder_"]),
     ("vectors and sums", &["sum_", "step_all", "measure_", "start_", "gather_all", "coupled_", "strain_"]),
-    ("columns of solutions", &["guess_", "store_", "compare_"]),
+    ("columns of solutions", &["guess_", "load_known", "store_", "compare_"]),
     ("motion of the spheres", &["displace_", "place_all", "overlapping_"]),
     ("random motions and loads", &["random_", "krylov_", "drawn_"]),
-    ("control of steps", &["combine_", "displacement_error", "gap_changes", "pushed_apart"]),
+    ("control of steps", &["combine_", "limit_", "displacement_error", "gap_changes", "pushed_apart"]),
     ("contacts", &["find_contacts", "load_contacts", "end_contacts"]),
 ];
 

@@ -1,5 +1,9 @@
 //! Random motions, stored in columns of the particles, and their finite differences.
 
+mod held;
+
+pub use held::{store_held_drift, store_held_solution};
+
 use crate::ambient::StrainRate;
 use crate::coupled_solver::{CoupledSolver, DisplacedSpheres};
 use crate::solution::{Guess, Solution, SolveInput, StoredSolution};
@@ -34,7 +38,7 @@ pub const DISPLACEMENT: &str = "random displacement";
 pub const RANDOM_NUMBERS: usize = 3 * 7 + 5 * 3;
 
 /// Largest drift of a sphere in a step, over its radius; usually the drift is some thousandths.
-const FARTHEST: f64 = 0.05;
+pub const FARTHEST: f64 = 0.05;
 
 /// Relative error of the finite difference of random motions; the statistical error of a mean is much larger.
 pub const CHANGE: f64 = 0.03;

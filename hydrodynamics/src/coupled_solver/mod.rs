@@ -2,6 +2,7 @@
 
 mod constant_flux;
 mod fluctuations;
+mod held_change;
 mod held_contacts;
 mod lubricated_solve;
 mod near_pairs;

@@ -40,8 +40,20 @@ impl Dynamics {
         }
     }
 
+    /// Draws random motions of the fluid at the particles, and stores displacements and rotations by them over a time.
+    /// Collective.
+    pub fn draw_motions(&mut self, particles: &mut Particles, noise: Noise, time: f64) {
+        if particles.are_remote() {
+            self.displace_remotely(particles, noise, time);
+        } else {
+            self.fluctuate(particles, noise);
+            brownian::displace(particles, time);
+            rotation::store_random(particles, time);
+        }
+    }
+
     /// Draws random motions of the fluid at the particles. Collective.
-    pub fn fluctuate(&mut self, particles: &mut Particles, noise: Noise) {
+    fn fluctuate(&mut self, particles: &mut Particles, noise: Noise) {
         let (cell, tolerance) = (*self.moving.cell(), self.random_tolerance());
         let (motion, drawn) = self.hydrodynamics.noise(&cell, particles, tolerance, noise.stream);
         self.clipped = self.clipped.max(drawn.clipped);
@@ -90,9 +102,20 @@ impl Dynamics {
         moment: &StageTime,
         noise: Noise,
     ) -> Result<Outcome, StepError> {
-        let (_, solved) = self.solve_fluctuating(particles, moment, noise, noise.energy)?;
+        self.begin_solve(particles, moment)?;
+        let solved = if particles.are_remote() {
+            self.solve_remotely(particles, moment, noise)?.1
+        } else {
+            self.solve_fluctuating(particles, moment, noise, noise.energy)?.1
+        };
         self.record(particles, &solved);
         Ok(Outcome::of(&solved))
+    }
+
+    /// Wraps particles into the box and migrates them to their ranks, unless a rank is asked to stop. Collective.
+    fn begin_solve(&mut self, particles: &mut Particles, moment: &StageTime) -> Result<(), StepError> {
+        self.unless_interrupted()?;
+        self.wrap_and_migrate(particles, moment)
     }
 
     /// Solves for the motions under all loads, lubrication noise included, in the drawn motions plus `energy` times the
@@ -104,11 +127,6 @@ impl Dynamics {
         noise: Noise,
         energy: f64,
     ) -> Result<(Loads, Solution), StepError> {
-        self.unless_interrupted()?;
-        self.wrap_and_migrate(particles, moment)?;
-        if particles.are_remote() {
-            return Ok((Loads::default(), self.solve_remotely(particles, moment, noise)?));
-        }
         let near = self.forces.shared_near(particles, self.domain());
         if let Some(near) = &near {
             self.monitor_overlaps(particles, near);
@@ -140,6 +158,10 @@ impl Dynamics {
         moment: &StageTime,
         noise: Noise,
     ) -> Result<Outcome, StepError> {
+        self.begin_solve(particles, moment)?;
+        if particles.are_remote() {
+            return self.move_remotely_at_random(particles, moment, noise);
+        }
         let (loads, solved) = self.solve_fluctuating(particles, moment, noise, 0.0)?;
         let (outcome, cell) = (Outcome::of(&solved), *self.moving.cell());
         self.note_carried(particles, PAST[0], &solved.motion.velocities);
@@ -166,8 +188,19 @@ impl Dynamics {
             brownian::store_divergence(&mut self.hydrodynamics, &cell, particles, change.energy);
             return Ok(());
         }
-        let noted = brownian::store_drift(&mut self.hydrodynamics, &cell, particles, change);
+        let store = if particles.are_remote() { brownian::store_held_drift } else { brownian::store_drift };
+        let noted = store(&mut self.hydrodynamics, &cell, particles, change);
         noted.map_err(|source| self.unsolved(source, particles, moment.clock.step()))
+    }
+
+    /// Limits the drift in a time, see [`brownian::limit_drift`].
+    pub fn limit_drift(&self, particles: &mut Particles, time: f64) {
+        if particles.are_remote() {
+            self.limit_remotely(particles, time);
+        } else {
+            brownian::limit_drift(particles, time);
+            rotation::limit_drift(particles, time);
+        }
     }
 
     /// Pairs that were too close in the last solve for random motions; `None` without Brownian motion.

@@ -281,7 +281,7 @@ impl Dynamics {
             angular_velocities,
             strain_rate,
         });
-        let near = self.forces.near_in_solves(particles, self.domain());
+        let near = if particles.are_remote() { None } else { self.forces.near_in_solves(particles, self.domain()) };
         let acting = self.acting(particles, near.as_ref(), moment, prediction.as_ref(), motion)?;
         drop(near);
         let solved = self.solved(particles, &acting, &acting.ambient, guess, moment)?;
@@ -351,7 +351,7 @@ impl Dynamics {
         let (input, constant_flux) = (SolveInput::new(loads, self.moving.strain_rate()), self.moving.keeps_flux());
         let (bodies, squirming) = (self.bodies(particles), self.squirming(particles));
         let (springs, bodies, squirming) = (springs.as_ref(), bodies.as_ref(), squirming.as_ref());
-        let surface_forces = self.forces.surfaces_are_solved() || held_forces.is_some();
+        let surface_forces = self.forces.surfaces_are_solved() || particles.are_remote();
         let moving_in = particles.are_remote().then(|| self.moving.moving_flow());
         let acting = SolveInput {
             springs,

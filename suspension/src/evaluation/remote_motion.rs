@@ -8,8 +8,7 @@ use domain::Particles;
 
 impl Dynamics {
     /// Moves particles to where the far field is evaluated, if nothing else needs their positions in each step: free
-    /// spheres without orientations, in explicit or implicit steps or those of the Brownian midpoint scheme, whose
-    /// forces are steady or added there. Between steps.
+    /// spheres without orientations, whose forces are steady or added there. Between steps.
     pub(super) fn move_to_far_field(&mut self, particles: &mut Particles) {
         if particles.are_remote() || !self.moves_remotely(particles) {
             return;
@@ -26,7 +25,7 @@ impl Dynamics {
     fn moves_remotely(&mut self, particles: &Particles) -> bool {
         self.moves_here_by.is_none()
             && !rotation::is_oriented(particles)
-            && !self.forces.need_positions(self.is_implicit)
+            && !self.forces.need_positions(self.needs_pairs)
             && self.fits_slots(particles)
             && self.hydrodynamics.moves_particles()
     }

@@ -6,19 +6,19 @@ use domain::Particles;
 
 impl Dynamics {
     /// Leaves the forces of pairs between surfaces to the solver, if its back end adds them up: those of free spheres,
-    /// in steps that do not need these pairs here. Implicit steps leave them to it while particles move there. Pairs
+    /// in steps that do not need these pairs here. Other steps leave them to it while particles move there. Pairs
     /// within a rigid body have no forces.
     pub(super) fn leave_surface_forces(&mut self, particles: &Particles) {
-        let Self { forces, hydrodynamics, largest_radius, needs_pairs, is_implicit, .. } = self;
+        let Self { forces, hydrodynamics, largest_radius, needs_pairs, .. } = self;
         if bodies::exist(particles) {
             return;
         }
-        if *is_implicit {
+        if *needs_pairs {
             let taken = forces.between_surfaces();
             if !taken.is_empty() {
                 hydrodynamics.take_surface_forces(&taken);
             }
-        } else if !*needs_pairs {
+        } else {
             forces.leave_surfaces(*largest_radius, |laws| hydrodynamics.take_surface_forces(laws));
         }
     }

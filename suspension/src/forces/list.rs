@@ -233,9 +233,10 @@ impl Forces {
     }
 
     /// Whether a force between free particles, or one of the user, needs positions here in each evaluation of particles
-    /// that move where the far field is evaluated, which adds implicit forces between surfaces and at contacts.
-    pub fn need_positions(&self, are_implicit: bool) -> bool {
-        let are_near = !are_implicit && (self.range_in_solves.is_some() || self.contacts.is_some());
+    /// that move where the far field is evaluated. Forces between surfaces and at contacts do not, if they are added
+    /// there.
+    pub fn need_positions(&self, are_added: bool) -> bool {
+        let are_near = !are_added && (self.range_in_solves.is_some() || self.contacts.is_some());
         let are_given = self.others.is_empty() && self.registered.is_empty() && self.applied.is_empty();
         are_near || !are_given
     }

@@ -8,7 +8,6 @@ use crate::evaluation::fluctuating_bodies;
 use crate::evaluation::{Dynamics, Outcome, StageTime};
 use crate::integrators::motion;
 use crate::model::BrownianScheme;
-use crate::rotation;
 use domain::Particles;
 use fcm::Stream;
 use hydrodynamics::brownian::{self, CHANGE, DISPLACEMENT, DRIFT_VELOCITY, FiniteDifference};
@@ -142,16 +141,13 @@ fn two_evaluations(
     dynamics: &mut Dynamics,
 ) -> Result<Outcome, StepError> {
     let start = StageTime::in_step(clock, 0.0, 0);
-    dynamics.fluctuate(particles, noise);
-    brownian::displace(particles, DIFFERENCE_FRACTION * 0.5 * clock.dt());
-    rotation::store_random(particles, DIFFERENCE_FRACTION * 0.5 * clock.dt());
+    dynamics.draw_motions(particles, noise, DIFFERENCE_FRACTION * 0.5 * clock.dt());
     let outcome = dynamics.move_at_random(particles, &start, noise)?;
     motion::advance(particles, [DISPLACEMENT], [1.0]);
     dynamics.wrap_and_migrate(particles, &start)?;
     let change = FiniteDifference { over: DIFFERENCE_FRACTION, energy: noise.energy, tolerance: CHANGE };
     dynamics.store_drift(particles, &start, change)?;
-    brownian::limit_drift(particles, clock.dt());
-    rotation::limit_drift(particles, clock.dt());
+    dynamics.limit_drift(particles, clock.dt());
     motion::advance(particles, [DISPLACEMENT, PAST[0], DRIFT_VELOCITY], [-1.0, clock.dt(), clock.dt()]);
     motion::end(particles);
     brownian::clear_history(particles);

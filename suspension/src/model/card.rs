@@ -1,6 +1,6 @@
 //! Motion of the spheres of a model on the host, if the far field is evaluated on a card.
 
-use super::{BrownianScheme, Integrator, Model, MultipoleOrder};
+use super::{Model, MultipoleOrder};
 use domain::Boundaries;
 
 impl Model {
@@ -22,7 +22,6 @@ impl Model {
             ("electric", self.electric.is_some()),
             ("species.swimming", self.has_swimmers()),
             ("species.orientation", has_orientations),
-            ("time.brownian", self.integrator == Integrator::Brownian(BrownianScheme::TwoEvaluations)),
         ];
         keys.into_iter().find(|(_, is_set)| *is_set).map(|(key, _)| key)
     }
@@ -31,7 +30,7 @@ impl Model {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::{Flow, Orientation, Parameters, Protocol, Species};
+    use crate::model::{Adaptive, Flow, Integrator, Orientation, Parameters, Protocol, Species};
     use domain::{PeriodicBox, Vector};
 
     fn key(change: impl FnOnce(&mut Parameters)) -> Option<&'static str> {
@@ -54,7 +53,7 @@ mod tests {
         let driven = |p: &mut Parameters| {
             p.flow = Flow::Shear { rate: 1.0, lees_edwards: true };
             p.protocol = Protocol::Stress(1.0);
-            p.integrator = Integrator::Implicit(crate::model::Adaptive::default());
+            p.integrator = Integrator::Implicit(Adaptive::default());
         };
         assert_eq!(key(driven), Some("flow.control"));
     }

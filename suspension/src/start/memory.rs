@@ -297,7 +297,8 @@ impl Share<'_> {
     fn steps_on_card(&self) -> CardSteps {
         let slots = Contacts::of(self.model).map_or(0, |contacts| contacts.slots_of(self.expected.total() as usize));
         let has_substeps = matches!(self.model.integrator, Integrator::Implicit(_) | Integrator::Adaptive(_));
-        CardSteps { random_vectors: self.random_vectors(), has_substeps, slots }
+        let has_differences = matches!(self.model.integrator, Integrator::Brownian(BrownianScheme::TwoEvaluations));
+        CardSteps { random_vectors: self.random_vectors(), has_substeps, has_differences, slots }
     }
 
     fn is_implicit(&self) -> bool {

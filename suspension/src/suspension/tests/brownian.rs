@@ -2,11 +2,11 @@
 
 use super::*;
 use crate::evaluation::overlap_monitor::OverlapCounts;
-use crate::model::BrownianScheme;
+use crate::model::BrownianScheme::{self, Midpoint};
 use gpu::DeviceCounts;
 
 /// Spheres in thermal motion, of which some come into overlap within the steps of a test.
-fn agitated(scheme: BrownianScheme, change: impl FnOnce(&mut Parameters)) -> Model {
+pub(super) fn agitated(scheme: BrownianScheme, change: impl FnOnce(&mut Parameters)) -> Model {
     model([12, 8], |parameters| {
         parameters.thermal_energy = Some(10.0);
         parameters.integrator = Integrator::Brownian(scheme);
@@ -15,8 +15,8 @@ fn agitated(scheme: BrownianScheme, change: impl FnOnce(&mut Parameters)) -> Mod
 }
 
 /// In shear, with lubrication and repulsion.
-fn in_shear() -> Model {
-    agitated(BrownianScheme::Midpoint, |parameters| {
+pub(super) fn in_shear(scheme: BrownianScheme) -> Model {
+    agitated(scheme, |parameters| {
         parameters.flow = Flow::Shear { rate: 1.0, lees_edwards: true };
         parameters.hydrodynamics.lubrication = true;
         parameters.repulsion = Some(Repulsion { radius_power: 2, range: Some(0.2), ..Repulsion::new(20.0) });
@@ -24,8 +24,8 @@ fn in_shear() -> Model {
 }
 
 /// At rest, under a weight, with lubrication or without.
-fn under_weight(lubrication: bool) -> Model {
-    agitated(BrownianScheme::Midpoint, |parameters| {
+pub(super) fn under_weight(scheme: BrownianScheme, lubrication: bool) -> Model {
+    agitated(scheme, |parameters| {
         parameters.gravity = Vector::new(0.0, 0.0, -4.0);
         parameters.species.iter_mut().for_each(|species| species.density_difference = 1.0);
         parameters.hydrodynamics.lubrication = lubrication;
@@ -38,7 +38,7 @@ fn under_weight(lubrication: bool) -> Model {
 #[test]
 fn spheres_move_as_on_the_host() {
     for (kernel, tolerance, allowed) in [("drawn_motions_f32", 1e-5, 1e-3), ("drawn_motions_f64", 1e-8, 1e-6)] {
-        for model in [in_shear(), under_weight(true), under_weight(false)] {
+        for model in [in_shear(Midpoint), under_weight(Midpoint, true), under_weight(Midpoint, false)] {
             let mut parameters = (*model).clone();
             parameters.hydrodynamics.iteration_tolerance = Some(tolerance);
             let counts = agrees(&Model::new(parameters).unwrap(), allowed);
@@ -47,7 +47,7 @@ fn spheres_move_as_on_the_host() {
     }
 }
 
-fn agrees(model: &Model, allowed: f64) -> DeviceCounts {
+pub(super) fn agrees(model: &Model, allowed: f64) -> DeviceCounts {
     let (device, counts) = emulator(1);
     let start = started(model, None);
     let [mut host, mut card] = [started(model, None), on(started(model, None), device)];
@@ -75,8 +75,8 @@ fn agrees(model: &Model, allowed: f64) -> DeviceCounts {
 /// A step copies settings and sums, however many spheres there are.
 #[test]
 fn particles_stay_on_the_card() {
-    for model in [in_shear(), under_weight(true), under_weight(false)] {
-        stays_on_the_card(&model);
+    for model in [in_shear(Midpoint), under_weight(Midpoint, true), under_weight(Midpoint, false)] {
+        stays_on_the_card(&model, 1, 1e-3);
     }
 }
 
@@ -84,7 +84,7 @@ fn particles_stay_on_the_card() {
 /// host; a run that is resumed between, on a card whose threads run in another order, has the same bits.
 #[test]
 fn a_resumed_run_has_the_same_bits() {
-    let model = agitated(BrownianScheme::Midpoint, |parameters| {
+    let model = agitated(Midpoint, |parameters| {
         parameters.flow = Flow::Shear { rate: 15.0, lees_edwards: true };
         parameters.hydrodynamics.lubrication = true;
     });
@@ -105,7 +105,7 @@ fn a_resumed_run_has_the_same_bits() {
 /// back to the start of a step that was interrupted, before its solve or within.
 #[test]
 fn reading_columns_and_going_back_change_nothing() {
-    for model in [in_shear(), under_weight(false)] {
+    for model in [in_shear(Midpoint), under_weight(Midpoint, false)] {
         let state = advanced(on(started(&model, None), emulator(1).0), STEPS).state();
         let mut read = on(started(&model, None), emulator(1).0);
         for _ in 0..STEPS {
@@ -122,7 +122,7 @@ fn reading_columns_and_going_back_change_nothing() {
 /// A sphere that is lost ends the step with the message of the host, and the state before it is there.
 #[test]
 fn lost_spheres_are_named() {
-    let lost = Parameters { thermal_energy: Some(1e24), ..(*under_weight(true)).clone() };
+    let lost = Parameters { thermal_energy: Some(1e24), ..(*under_weight(Midpoint, true)).clone() };
     let model = Model::new(lost).unwrap();
     let [mut host, mut card] = [started(&model, None), on(started(&model, None), emulator(1).0)];
     let before = by_id(&card.state().particles);
@@ -131,15 +131,4 @@ fn lost_spheres_are_named() {
     let ends = errors.each_ref().map(|error| error.split("], ").last().unwrap());
     assert!(ends[1].contains("which is no place") && ends[0] == ends[1], "{errors:?}");
     assert_eq!(by_id(&card.state().particles), before);
-}
-
-/// Steps with two evaluations, which need the pairs of forces, keep spheres and forces on the host.
-#[test]
-fn two_evaluations_keep_their_pairs() {
-    let model = agitated(BrownianScheme::TwoEvaluations, |parameters| {
-        parameters.repulsion = Some(Repulsion { range: Some(0.4), ..Repulsion::new(30.0) });
-    });
-    let run = advanced(on(started(&model, None), emulator(1).0), 1);
-    assert!(!run.particles.are_remote());
-    assert!(run.dynamics.forces().near_in_solves(&run.particles, run.dynamics.domain()).is_some());
 }

@@ -2,8 +2,10 @@
 
 use super::{DeviceFarField, succeeded};
 use crate::lanczos::DrawDiagnostics;
-use crate::mobility::coupled::HeldLoads;
-use crate::mobility::fluctuating::{FluctuatingFarField, HeldDraw, HeldMotions, LoadDraw};
+use crate::mobility::coupled::{ChangeLimits, HeldLoads};
+use crate::mobility::fluctuating::{
+    ExactConditions, FluctuatingFarField, HeldDraw, HeldMotions, HeldSolution, LoadDraw, SolutionChange,
+};
 use crate::mobility::noise::NoiseRequest;
 use crate::mobility::noise_root::factors_of_units;
 use gpu::{CloseSpheres, NearTables, OverlapLimits, PairDraw};
@@ -33,6 +35,20 @@ impl FluctuatingFarField for DeviceFarField {
         let draw = PairDraw { ids, places: None, seed, factor, given };
         let list = succeeded(self.split.borrow_mut().random_pair_loads(&draw));
         HeldLoads::of(Some(self.kept.keep(list)), largest)
+    }
+
+    fn exact_conditions(&mut self, found: &HeldSolution, loads: &HeldLoads) -> ExactConditions {
+        self.exact_conditions_of(found, loads)
+    }
+
+    fn change_over(
+        &mut self,
+        found: &HeldSolution,
+        exact: &ExactConditions,
+        divisor: f64,
+        limits: &ChangeLimits,
+    ) -> SolutionChange {
+        self.change_of_held(found, exact, divisor, limits)
     }
 
     fn close_spheres(&mut self, minimum_gap: Option<f64>) -> CloseSpheres {

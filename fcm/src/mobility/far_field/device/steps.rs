@@ -98,6 +98,14 @@ impl HeldSteps for KeptLists {
         self.keep(sum)
     }
 
+    fn limited(&self, column: &RemoteList, most: f64) -> RemoteList {
+        self.release_unused();
+        let column = self.held(column);
+        let limited = self.list(column.count());
+        succeeded(self.field.borrow_mut().limit(column, &self.radii, most, &limited));
+        self.keep(limited)
+    }
+
     fn displacement_error(&self, columns: &[RemoteList], orders: &DisplacementOrders) -> DisplacementError {
         let ((weights, smooth), columns) = (orders.parts(), self.all_held(columns));
         let input = StepInput { columns: &columns, weights: &differences(weights), smooth, ..self.measured() };
