@@ -157,7 +157,7 @@ impl SplitFarField {
             let [list_y, other] = [round, round + 1].map(|number| lists[number % 2].address);
             let list_x = if round == 0 { 0 } else { other };
             let list_size = place as i64;
-            self.launch_particles(&kernel, &KernelTask { list_x, list_y, list_size, step, near_reach, ..self.task })?;
+            self.launch_particles(&kernel, &KernelTask { list_x, list_y, step, list_size, near_reach, ..self.task })?;
         }
         self.device.download(of_rounds, bytemuck::cast_slice_mut(&mut pushed))?;
         Ok(pushed)
