@@ -8,10 +8,9 @@
 static constexpr int STEP_COLUMNS = 4;
 static constexpr int STEP_ORDERS = 4;
 
-// Largest numbers of all particles or pairs, see in_order(); 0 without any. `nearest` is that of minus the gaps. The last
-// one is the number of particles that have been pushed.
+// Largest numbers of all particles or pairs, see in_order(); 0 without any. `nearest` is that of minus the gaps.
 struct StepSums {
-    unsigned long long error, roughness, loss, nearest, pushed;
+    unsigned long long error, roughness, loss, nearest;
 };
 
 // gpu/src/steps.rs has the same fields in the same order.
@@ -19,6 +18,8 @@ struct StepMotion {
     // Radii by class; positions; columns of velocities, or 0.
     const double *radii, *positions, *columns[STEP_COLUMNS];
     StepSums *sums;
+    // Numbers of spheres that have been pushed in each of some rounds.
+    unsigned long long *pushed;
     double weights[STEP_ORDERS][STEP_COLUMNS];
     // Velocity gradient of the flow by rows.
     double gradient[9];
@@ -243,13 +244,15 @@ template <typename T> __device__ void find_nearest(const Task &task)
 
 // A round in which spheres that are too close after a displacement are moved apart along their lines of centres, the
 // smaller one farther, and a sphere of several such pairs by their mean: displacements so far, or 0, become those after
-// it. Counts the spheres that move.
+// it. Counts the spheres that move. `list_size` is the number of the round among those whose spheres are counted; after
+// one in which none have moved, displacements stay as they are.
 template <typename T> __device__ void push_apart(const Task &task)
 {
     int target = thread_index();
     if (target >= task.particles) return;
     const StepMotion &step = *task.step;
     const double *before = (const double *)task.list_x;
+    unsigned long long *pushed = step.pushed + task.list_size;
     long long place = 3 * (long long)task.places[task.rows[target]];
     double sum[3] = {0, 0, 0}, pairs = 0;
     auto visit = [&](const StepPair &pair) {
@@ -265,10 +268,10 @@ template <typename T> __device__ void push_apart(const Task &task)
         if (!(distance > 0)) sum[0] += pair.is_second ? share : -share;
         for (int axis = 0; distance > 0 && axis < 3; axis++) sum[axis] += x[axis] * (share / distance);
     };
-    visit_near<T>(task, target, visit);
+    if (task.list_size == 0 || pushed[-1] > 0) visit_near<T>(task, target, visit);
     for (int axis = 0; axis < 3; axis++) {
         double so_far = before ? before[place + axis] : 0;
         ((double *)task.list_y)[place + axis] = pairs > 0 ? so_far + sum[axis] / pairs : so_far;
     }
-    if (pairs > 0) atomicAdd(&step.sums->pushed, 1ull);
+    if (pairs > 0) atomicAdd(pushed, 1ull);
 }

@@ -130,6 +130,7 @@ pub(crate) struct Buffers {
     pub(crate) step: KnownBuffer,
     pub(crate) radii: KnownBuffer,
     pub(crate) step_sums: Buffer,
+    pub(crate) pushed: Buffer,
 }
 
 impl Buffers {

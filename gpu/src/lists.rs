@@ -4,7 +4,7 @@ use crate::tables::NumberFormat;
 use crate::task::DeviceAddress;
 
 /// Values in the memory of a device.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct DeviceList {
     pub(crate) address: DeviceAddress,
     pub(crate) count: usize,

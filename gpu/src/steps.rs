@@ -6,6 +6,7 @@ use crate::lists::DeviceList;
 use crate::task::{DeviceAddress, KernelTask};
 use crate::vectors::SUM_THREADS;
 use bytemuck::{Pod, Zeroable};
+use std::ops::Range;
 
 /// Columns of which a displacement is a weighted sum, at most.
 pub const STEP_COLUMNS: usize = 4;
@@ -65,7 +66,6 @@ struct StepSums {
     roughness: u64,
     loss: u64,
     nearest: u64,
-    pushed: u64,
 }
 
 /// Arguments with the fields of `gpu/kernels/steps.h` in the same order.
@@ -76,6 +76,7 @@ struct StepMotion {
     positions: DeviceAddress,
     columns: [DeviceAddress; STEP_COLUMNS],
     sums: DeviceAddress,
+    pushed: DeviceAddress,
     weights: [[f64; STEP_COLUMNS]; STEP_ORDERS],
     gradient: [f64; 9],
     deformation: [f64; 9],
@@ -151,30 +152,37 @@ impl SplitFarField {
         self.measure(&kernel, input).map(|sums| StepMeasures::from(sums).gap)
     }
 
-    /// A round in which pairs of arranged particles within a reach that are too close after a displacement are moved
-    /// apart, from displacements so far or none. Returns the number of particles that move.
+    /// Rounds in which pairs of arranged particles within a reach that are too close after a displacement are moved
+    /// apart, the first one from no displacements: round `n` writes those after it into `lists[n % 2]`. Displacements
+    /// are the same after further rounds if no particle has moved in one. Returns the number of particles that move in
+    /// each of these rounds, which the host gets in one copy.
     pub fn push_apart(
         &mut self,
         input: &StepInput,
-        before: Option<&DeviceList>,
-        after: &DeviceList,
-    ) -> Result<u64, DeviceError> {
+        lists: [DeviceList; 2],
+        rounds: Range<usize>,
+    ) -> Result<Vec<u64>, DeviceError> {
+        let mut pushed = vec![0_u64; rounds.len()];
+        if self.task.particles == 0 || pushed.is_empty() {
+            return Ok(pushed);
+        }
+        let bytes = size_of_val(&pushed[..]);
+        let of_rounds = self.buffers.pushed.reserve(self.device.as_mut(), bytes)?;
+        let (step, near_reach) = (self.place_step(input)?, self.bins_within(input.reach / input.length));
+        self.device.zero(of_rounds, bytes)?;
         let kernel = format!("pushed_apart_{}", self.tables.numbers.suffix());
-        self.measure_lists(&kernel, input, [before.map_or(0, |list| list.address), after.address])
-            .map(|sums| sums.pushed)
-    }
-
-    fn measure(&mut self, kernel: &str, input: &StepInput) -> Result<StepSums, DeviceError> {
-        self.measure_lists(kernel, input, [0; 2])
+        for (place, round) in rounds.enumerate() {
+            let [list_y, other] = [round, round + 1].map(|number| lists[number % 2].address);
+            let list_x = if round == 0 { 0 } else { other };
+            let list_size = place as i64;
+            self.launch_particles(&kernel, &KernelTask { list_x, list_y, step, list_size, near_reach, ..self.task })?;
+        }
+        self.device.download(of_rounds, bytemuck::cast_slice_mut(&mut pushed))?;
+        Ok(pushed)
     }
 
     /// Sums of a kernel over all particles.
-    fn measure_lists(
-        &mut self,
-        kernel: &str,
-        input: &StepInput,
-        [list_x, list_y]: [DeviceAddress; 2],
-    ) -> Result<StepSums, DeviceError> {
+    fn measure(&mut self, kernel: &str, input: &StepInput) -> Result<StepSums, DeviceError> {
         let mut sums = StepSums::default();
         if self.task.particles == 0 {
             return Ok(sums);
@@ -182,7 +190,7 @@ impl SplitFarField {
         let step = self.place_step(input)?;
         let (of_sums, near_reach) = (self.buffers.step_sums.address(), self.bins_within(input.reach / input.length));
         self.device.zero(of_sums, size_of::<StepSums>())?;
-        self.launch_particles(kernel, &KernelTask { list_x, list_y, step, near_reach, ..self.task })?;
+        self.launch_particles(kernel, &KernelTask { step, near_reach, ..self.task })?;
         self.device.download(of_sums, bytemuck::bytes_of_mut(&mut sums))?;
         Ok(sums)
     }
@@ -199,6 +207,7 @@ impl SplitFarField {
         let mut motion = StepMotion {
             positions: input.positions.map_or(0, |list| list.address),
             sums: buffers.step_sums.reserve(on, size_of::<StepSums>())?,
+            pushed: buffers.pushed.address(),
             gradient,
             deformation,
             smooth,

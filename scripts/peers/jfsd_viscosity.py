@@ -64,4 +64,5 @@ def report():
         print(f"{count},{fraction},{seed},{row}", flush=True)
 
 
-report()
+if __name__ == "__main__":
+    report()

@@ -28,9 +28,9 @@ DEVIATION = 4  # of means, over their common standard error
 TOLERANCE = 1e-2  # of scenes that are timed; both the card and the host keep it
 
 
-def scene(count, fraction, keys, first, device):
+def scene(count, fraction, keys, first, device, ratio=1.4, tolerance=TOLERANCE):
     """Spheres of two sizes with lubrication, or equal ones in heat."""
-    ratio = 1.0 if "thermal_energy" in keys else 1.4
+    ratio = 1.0 if "thermal_energy" in keys else ratio
     edge = (count * (1 + ratio**3) / 2 * 4.18879 / fraction) ** (1 / 3)
     kind = lambda name, radius: f"[[species]]\nname = {name!r}\nradius = {radius}\ncount = {count // 2}\n"
     species = kind("small", 1.0) + kind("large", ratio)
@@ -38,7 +38,7 @@ def scene(count, fraction, keys, first, device):
     return f"""seed = 1
 box.edges = [{edge}, {edge}, {edge}]
 fluid.viscosity = 1.0
-hydrodynamics.tolerance = {TOLERANCE}
+hydrodynamics.tolerance = {tolerance}
 hydrodynamics.lubrication = true
 {on}{keys}
 time.steps = {3 * first}
@@ -172,8 +172,8 @@ def runs(program, device, folder, scenes):
     return rows
 
 
-def lines(found):
-    """The results as lines of a page."""
+def lines(found, further):
+    """The results as lines of a page, with further rows of the table of steps."""
     heads = ["step", "spheres", "fraction", "card", "one core", "all cores", "evaluations", "difference at the start"]
     page = ["", f"| {' | '.join(heads)} |", "|" + "---|" * len(heads)]
     for row in found["steps"]:
@@ -182,6 +182,7 @@ def lines(found):
         else:
             values = [*(f"{1e3 * row[name]:.3g}" for name in ("card", "one", "all")), f"{row['evaluations']:.1f}", f"{row['difference']:.1e}"]
         page.append("| " + " | ".join(map(str, [row["case"], row["spheres"], row["fraction"], *values])) + " |")
+    page += ["| " + " | ".join(map(str, row)) + " |" for row in further]
     page += ["", f"Milliseconds of a step with lubrication at a tolerance of {TOLERANCE}, the mean over the faster of two stretches of steps.", ""]
     page += [f"{row['case']}, {row['spheres']} spheres: {row['memory']}." for row in found["steps"]]
     for row in found["runs"]:

@@ -1,6 +1,7 @@
 //! Runs whose far field and forces between surfaces an emulator of a card computes, against those of the host.
 
 mod brownian;
+mod changes;
 mod flows;
 mod implicit;
 mod random_difference;

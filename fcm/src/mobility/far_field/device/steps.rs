@@ -27,6 +27,9 @@ fn differences(weights: &[DisplacementWeights]) -> Vec<DisplacementWeights> {
     weights.windows(2).map(between).collect()
 }
 
+/// Largest number of rounds between two looks of the host.
+const LARGEST_BATCH: usize = 16;
+
 /// A number, or infinity in place of one that is none; 0 without any.
 fn or_infinite(number: Option<f64>) -> f64 {
     number.map_or(0.0, |number| if number.is_nan() { f64::INFINITY } else { number })
@@ -54,22 +57,22 @@ impl KeptLists {
         columns.iter().map(|remote| self.held(remote)).collect()
     }
 
-    /// Lists of displacements that move pairs apart: those of the last round that moved any, and whether there is none
-    /// left to move.
+    /// Displacements that move pairs apart, after the last round that moved any, and whether none is left to move.
+    /// The host looks after one round, after two more, and then after ever more of them.
     fn rounds(&self, input: &StepInput, rounds: usize, count: usize) -> (Option<DeviceList>, bool) {
-        let mut so_far = None;
-        for _ in 0..rounds {
-            let after = self.list(count);
-            let pushed = succeeded(self.field.borrow_mut().push_apart(input, so_far.as_ref(), &after));
-            let unused = if pushed == 0 { Some(after) } else { so_far.replace(after) };
-            if let Some(unused) = unused {
-                self.field.borrow_mut().release(&unused);
-            }
-            if pushed == 0 {
-                return (so_far, true);
-            }
+        let lists = [self.list(count), self.list(count)];
+        let (mut done, mut batch, mut still) = (0, 1, None);
+        while done < rounds && still.is_none() {
+            let next = rounds.min(done + batch);
+            let pushed = succeeded(self.field.borrow_mut().push_apart(input, lists, done..next));
+            still = pushed.iter().position(|&particles| particles == 0).map(|place| done + place);
+            (done, batch) = (next, LARGEST_BATCH.min(2 * batch));
         }
-        (so_far, false)
+        let moved = still.unwrap_or(done).checked_sub(1).map(|last| lists[last % 2]);
+        for unused in lists.iter().filter(|&&list| Some(list) != moved) {
+            self.field.borrow_mut().release(unused);
+        }
+        (moved, still.is_some())
     }
 }
 

@@ -254,6 +254,39 @@ fn pairs_are_moved_apart_as_all_images_are() {
     assert!(converged > 3 && failed > 0 && largest_push > 1e-3, "{converged} {failed} {largest_push}");
 }
 
+/// The host looks after several rounds at a time. Those after the last one that moves spheres, and one more that finds
+/// that none are too close, change nothing; with one fewer the separation fails.
+#[test]
+fn displacements_stay_as_they_are_after_the_last_round() {
+    let mut numbers = Vec::new();
+    for (seed, moving, precision, largest) in cases(60..70) {
+        let (reach, weights) = (3.0 * largest, orders(seed)[1]);
+        let within = |rounds| SeparationLimits { rounds, ..limits(1e-2, reach) };
+        let near = moving.near(reach);
+        let Some(needed) = (1..=100).find(|&rounds| moved_apart(&moving, &near, &weights, &within(rounds)).1) else {
+            continue;
+        };
+        let (device, counts) = Counted::new(emulator(&[], 1));
+        let held = moving.on(precision, Box::new(device), false);
+        let moved = |rounds| match held.steps.moved_apart(&held.velocities(), &weights, &within(rounds)) {
+            Separation::By(list) => Some(held.vectors(&list)),
+            Separation::Fails => None,
+            Separation::Apart => panic!("there are close pairs"),
+        };
+        assert_eq!(moved(needed - 1), None);
+        let exact = moved(needed);
+        assert!(exact.is_some());
+        for more in 1..=needed.next_power_of_two() {
+            assert_eq!(moved(needed + more), exact, "{more} rounds after {needed}");
+        }
+        let before = counts.borrow().waits;
+        held.steps.moved_apart(&held.velocities(), &weights, &within(200));
+        assert!(counts.borrow().waits - before <= 5 + needed as u64 / 16, "waits of {needed} rounds");
+        numbers.push(needed);
+    }
+    assert!(numbers.len() > 3 && numbers.iter().any(|&needed| needed > 16), "{numbers:?}");
+}
+
 /// A chain of nearly touching spheres that is pressed from both ends across a face keeps its gaps; one that is let go
 /// stays as it is; and one that fills the box cannot be separated. Spheres with the same centre move along x.
 #[test]
@@ -329,7 +362,7 @@ fn copies_of_a_call_do_not_grow_with_the_particles() {
     let [few, many] = [false, true].map(copied);
     for [[copies, bytes], downloads] in [few, many] {
         assert!(copies <= 5 && bytes <= 5 * 400, "{copies} copies of {bytes} bytes to the device");
-        assert_eq!(downloads[1], 40 * downloads[0]);
+        assert!(downloads[1] <= 128 * downloads[0], "{downloads:?}");
     }
     assert!(few[1][0] >= 4 && many[1][0] >= few[1][0]);
 }
