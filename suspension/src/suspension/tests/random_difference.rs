@@ -35,7 +35,9 @@ fn spheres_move_as_on_the_host() {
             let mut card = on(started(&model, None), device);
             for step in 0..3 {
                 let [start, mut host] = [(); 2].map(|()| started(&model, Some(&mut card)));
-                [&mut card, &mut host].into_iter().for_each(|run| run.step().unwrap());
+                for run in [&mut card, &mut host] {
+                    run.step().unwrap();
+                }
                 assert!(card.particles.are_remote());
                 let [moved, error] = [&start, &card].map(|run| distance(run, &host));
                 assert!(error < 2e-2 * moved, "step {step}: {error:e} of {moved:e}");
