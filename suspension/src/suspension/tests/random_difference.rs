@@ -174,8 +174,8 @@ fn particles_stay_on_the_card() {
     }
 }
 
-/// After a step from the same state all columns, Brownian stresslets among them, are those of the host, up to the errors
-/// of drifts, which change gaps.
+/// After a step from the same state all columns, Brownian stresslets among them, are those of the host, up to the
+/// errors of drifts, which change gaps.
 #[test]
 fn columns_are_those_of_the_host() {
     for model in models() {
