@@ -47,7 +47,7 @@ fn spheres_move_as_on_the_host() {
     }
 }
 
-pub(super) fn agrees(model: &Model, allowed: f64) -> DeviceCounts {
+fn agrees(model: &Model, allowed: f64) -> DeviceCounts {
     let (device, counts) = emulator(1);
     let start = started(model, None);
     let [mut host, mut card] = [started(model, None), on(started(model, None), device)];
