@@ -42,7 +42,7 @@ A case for N particles:
   lubrication_cutoff  the gap where it ends, in radii of the pair's larger sphere (default: 2.5)
   method      \"direct\", the envelopes themselves on the grid, \"split\", or \"dense\", exact for few
               spheres; \"auto\" (default): the faster of the first two
-  device      \"gpu\": the far field on an NVIDIA card, in periodic boxes; \"cpu\" (default)
+  device      \"gpu\": the far field on an NVIDIA card; \"cpu\" (default)
   boundaries  [\"periodic\", \"periodic\", \"walls\"]: what the box is along x, y and z (default: periodic);
               one axis may have walls at 0 and its edge, a wall at 0, or be open, or all may be open
               (then box may be left out: spheres are where they are)

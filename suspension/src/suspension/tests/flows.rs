@@ -118,7 +118,8 @@ fn brownian_spheres_are_stretched_as_on_the_host() {
 fn particles_stay_on_the_card() {
     for model in [steady(oscillating), steady(extended(Extension::Planar, 1.0))] {
         // Besides settings of solves, those by which velocities are made relative to the flow, and absolute again.
-        stays_on_the_card(&model, 2, 1e-3);
+        let mut card = stays_on_the_card(&model, 2);
+        agree_in_columns([&mut card, &mut advanced(started(&model, None), STEPS + 3)], 1e-3);
     }
 }
 

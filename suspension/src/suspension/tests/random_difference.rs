@@ -4,9 +4,10 @@ use super::brownian::{agitated, in_shear, under_weight};
 use super::*;
 use crate::evaluation::fluctuating::Noise;
 use crate::evaluation::{Dynamics, StageTime};
-use crate::model::BrownianScheme::TwoEvaluations;
+use crate::model::BrownianScheme::{Midpoint, TwoEvaluations};
 use domain::Column;
 use fcm::Stream;
+use gpu::DIFFERENCE_BYTES;
 use hydrodynamics::brownian::{DISPLACEMENT, DRIFT_VELOCITY, FiniteDifference};
 use simulation::Clock;
 
@@ -241,4 +242,17 @@ fn lost_spheres_are_named() {
     let ends = errors.each_ref().map(|error| error.split("], ").last().unwrap());
     assert!(ends[1].contains("which is no place") && ends[0] == ends[1], "{errors:?}");
     assert_eq!(by_id(&card.state().particles), before);
+}
+
+/// Steps with two solves take as much more memory than those with one as the forecast has.
+#[test]
+fn differences_take_what_is_predicted() {
+    let most = |scheme| {
+        let (device, counts) = emulator(1);
+        drop(advanced(on(started(&in_shear(scheme), None), device), 3));
+        let counts = counts.borrow();
+        counts.memory[1] as f64
+    };
+    let more = (most(TwoEvaluations) - most(Midpoint)) / 20.0;
+    assert!((0.9 * DIFFERENCE_BYTES..1.01 * DIFFERENCE_BYTES).contains(&more), "{more} of {DIFFERENCE_BYTES}");
 }
