@@ -73,11 +73,11 @@ pub const HISTORY_BYTES: f64 = (size_of::<f64>() * (KEPT + MOVING) + 3 * size_of
 /// lattice steps at the start of a substep.
 pub const SUBSTEP_BYTES: f64 = (size_of::<f64>() * (2 * GUESS + 2 * 2 * 3 + 3 + 6)) as f64;
 
-/// Bytes of a particle in columns that Brownian steps with two evaluations keep besides: motions of the fluid as they
-/// are drawn and those for which the first solution is exact, displacements, loads as they are drawn and with those
-/// between surfaces, its total stresslets, and the Brownian stresslets of the step before; in place of two past
+/// Bytes of a particle in columns that Brownian steps with two evaluations keep besides those with one: motions of the
+/// fluid as they are drawn and those for which the first solution is exact, displacements, loads as they are drawn and
+/// with those between surfaces, its total stresslets, and the Brownian stresslets of the step before; in place of
 /// velocities before and after a displacement.
-pub const DIFFERENCE_BYTES: f64 = (size_of::<f64>() * (2 * 11 + 3 + 2 * 6 + 2 * 5 - 2 * 2 * 3)) as f64;
+pub const DIFFERENCE_BYTES: f64 = (size_of::<f64>() * (2 * 11 + 3 + 2 * 6 + 2 * 5 - 2 * 3)) as f64;
 
 /// Bytes of a particle in contacts with this many slots: the lists of an evaluation, and the states of contacts at the
 /// start of the step, at the start of the substep and at its end.

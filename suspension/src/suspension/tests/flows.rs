@@ -95,11 +95,11 @@ fn lattices_are_renamed_as_on_the_host() {
     }
 }
 
-/// In thermal motion too.
+/// In thermal motion too: up to the errors of drifts, where they are finite differences.
 #[test]
-fn brownian_spheres_are_stretched_as_on_the_host() {
+fn brownian_spheres_are_carried_as_on_the_host() {
     let planar = agitated(BrownianScheme::Midpoint, extended(Extension::Planar, 1.0));
-    for model in [planar, agitated(BrownianScheme::TwoEvaluations, oscillating)] {
+    for (model, allowed) in [(planar, 1e-6), (agitated(BrownianScheme::TwoEvaluations, oscillating), 1e-2)] {
         let model = exact(&model);
         let [start, mut host] = [(); 2].map(|()| started(&model, None));
         let mut card = on(started(&model, None), emulator(1).0);
@@ -108,7 +108,7 @@ fn brownian_spheres_are_stretched_as_on_the_host() {
             card.step().unwrap();
             assert!(card.particles.are_remote());
             let [error, moved] = [&card, &start].map(|run| distance(run, &host));
-            assert!(error < 1e-6 * moved, "step {step}: {error:e} of {moved:e}");
+            assert!(error < allowed * moved, "step {step}: {error:e} of {moved:e}");
         }
     }
 }
