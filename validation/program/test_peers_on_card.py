@@ -130,7 +130,8 @@ class Peers(unittest.TestCase):
         self.assertEqual([word.strip() for word in times[6:13]], ["0.012", "0.02", "0.03", "0.04", "", "0.112", "1.0e-04"])
         self.assertTrue(steps[1][0].strip().endswith("JFSD"))
         taken = float(steps[1][3]) / 1e3
-        self.assertTrue(STEP <= taken < 4 * STEP, f"a step takes {taken} s")
+        # Not with the compilation, which takes longer than all steps.
+        self.assertTrue(STEP / 2 < taken < COMPILATION / 2, f"a step takes {taken} s")
         self.assertIn("JFSD: wall time", text)
         self.assertIn("cuFCM: its own means", text)
 

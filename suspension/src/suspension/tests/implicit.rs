@@ -209,11 +209,9 @@ fn contacts_take_what_is_predicted() {
 fn a_resumed_run_has_the_same_bits() {
     let model = frictional();
     let state = advanced(on(started(&model, None), emulator(1).0), 3).state();
-    for steps in 0..3 {
-        let mut part = advanced(on(started(&model, None), emulator(2).0), steps);
-        let mut resumed = advanced(on(started(&model, Some(&mut part)), emulator(3).0), 3 - steps);
-        assert!(resumed.state() == state, "resumed after {steps} steps");
-    }
+    let mut part = advanced(on(started(&model, None), emulator(2).0), 1);
+    let mut resumed = advanced(on(started(&model, Some(&mut part)), emulator(3).0), 2);
+    assert!(resumed.state() == state, "resumed");
     let [mut read, mut interrupted] = [(); 2].map(|()| on(started(&model, None), emulator(1).0));
     for step in 0..3 {
         assert!(read.particles().columns.iter().all(|column| column.values.is_here()));
