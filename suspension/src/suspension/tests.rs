@@ -93,6 +93,18 @@ fn step_interrupted(run: &mut Suspension, is_compared: bool) {
     run.step().unwrap();
 }
 
+/// A run that is resumed after some of its steps, on a card whose threads run in another order, and one whose steps are
+/// interrupted have the bits of a run that goes on.
+fn keeps_bits(model: &Model, steps: u64, resumed_after: u64) {
+    let state = advanced(on(started(model, None), emulator(1).0), steps).state();
+    let mut part = advanced(on(started(model, None), emulator(2).0), resumed_after);
+    let mut resumed = advanced(on(started(model, Some(&mut part)), emulator(3).0), steps - resumed_after);
+    assert!(resumed.state() == state, "resumed");
+    let mut interrupted = on(started(model, None), emulator(1).0);
+    (0..steps).for_each(|step| step_interrupted(&mut interrupted, step == 1));
+    assert!(interrupted.state() == state, "interrupted");
+}
+
 /// Particles in the order of their ids.
 fn by_id(particles: &Particles) -> Particles {
     let mut rows: Vec<usize> = (0..particles.len()).collect();

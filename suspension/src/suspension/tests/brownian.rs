@@ -88,12 +88,16 @@ fn particles_stay_on_the_card() {
 /// host; a run that is resumed between, on a card whose threads run in another order, has the same bits.
 #[test]
 fn a_resumed_run_has_the_same_bits() {
-    let model = agitated(Midpoint, |parameters| {
+    cross_faces(Midpoint, &[1, 3]);
+}
+
+pub(super) fn cross_faces(scheme: BrownianScheme, resumed_after: &[u64]) {
+    let model = agitated(scheme, |parameters| {
         parameters.flow = Flow::Shear { rate: 15.0, lees_edwards: true };
         parameters.hydrodynamics.lubrication = true;
     });
     let mut whole = advanced(on(started(&model, None), emulator(1).0), STEPS);
-    for steps in [1, 3] {
+    for &steps in resumed_after {
         let mut part = advanced(on(started(&model, None), emulator(2).0), steps);
         let mut resumed = advanced(on(started(&model, Some(&mut part)), emulator(3).0), STEPS - steps);
         assert_eq!(whole.state(), resumed.state());

@@ -48,13 +48,7 @@ fn steps_of_any_length_are_resumed_with_the_same_bits() {
     for integrator in [Integrator::Adaptive, Integrator::Implicit] {
         let integrator = integrator(Adaptive { tolerance: 1e-3, ..Adaptive::default() });
         let model = Model::new(Parameters { integrator, ..(*sheared()).clone() }).unwrap();
-        let state = advanced(on(started(&model, None), emulator(1).0), 3).state();
-        let mut part = advanced(on(started(&model, None), emulator(2).0), 2);
-        let mut resumed = advanced(on(started(&model, Some(&mut part)), emulator(3).0), 1);
-        assert!(resumed.state() == state, "resumed");
-        let mut interrupted = on(started(&model, None), emulator(1).0);
-        (0..3).for_each(|step| step_interrupted(&mut interrupted, step == 1));
-        assert!(interrupted.state() == state, "interrupted");
+        keeps_bits(&model, 3, 2);
     }
 }
 

@@ -126,12 +126,5 @@ fn particles_stay_on_the_card() {
 /// run that goes on.
 #[test]
 fn resumed_and_interrupted_runs_have_the_same_bits() {
-    let model = frictional(oscillating);
-    let state = advanced(on(started(&model, None), emulator(1).0), 2).state();
-    let mut part = advanced(on(started(&model, None), emulator(2).0), 1);
-    let mut resumed = advanced(on(started(&model, Some(&mut part)), emulator(3).0), 1);
-    assert!(resumed.state() == state, "resumed");
-    let mut interrupted = on(started(&model, None), emulator(1).0);
-    (0..2).for_each(|step| step_interrupted(&mut interrupted, step == 1));
-    assert!(interrupted.state() == state, "interrupted");
+    keeps_bits(&frictional(oscillating), 2, 1);
 }

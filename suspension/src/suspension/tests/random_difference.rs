@@ -1,6 +1,6 @@
 //! Steps of the random finite difference, by spheres that move on an emulator of a card.
 
-use super::brownian::{agitated, in_shear, under_weight};
+use super::brownian::{agitated, cross_faces, in_shear, under_weight};
 use super::*;
 use crate::evaluation::fluctuating::Noise;
 use crate::evaluation::{Dynamics, StageTime};
@@ -192,19 +192,7 @@ fn columns_are_those_of_the_host() {
 /// host; a run that is resumed between, on a card whose threads run in another order, has the same bits.
 #[test]
 fn a_resumed_run_has_the_same_bits() {
-    let model = agitated(TwoEvaluations, |parameters| {
-        parameters.flow = Flow::Shear { rate: 15.0, lees_edwards: true };
-        parameters.hydrodynamics.lubrication = true;
-    });
-    let mut whole = advanced(on(started(&model, None), emulator(1).0), STEPS);
-    let mut part = advanced(on(started(&model, None), emulator(2).0), STEPS - 2);
-    let mut resumed = advanced(on(started(&model, Some(&mut part)), emulator(3).0), 2);
-    assert_eq!(whole.state(), resumed.state());
-    let [start, host] = [0, STEPS].map(|steps| advanced(started(&model, None), steps));
-    assert!(distance(&whole, &host) < 1e-3 * distance(&start, &host));
-    let steps = [&whole, &host].map(|run| run.gathered(None).steps);
-    assert_eq!(steps[0], steps[1]);
-    assert!(steps[0].iter().filter(|steps| **steps != [0; 3]).count() > 3);
+    cross_faces(TwoEvaluations, &[STEPS - 2]);
 }
 
 /// A run whose columns are read after each step has the bits of one that keeps them on the card; so has one that goes
