@@ -42,8 +42,9 @@ impl SplitFarField {
         self.download_lists(lists, NumberFormat::Double)
     }
 
-    /// Solution after a change of the unknowns from a start, see [`Self::gather_changed`]: motions, minus the
-    /// stresslets, and first moments of near pairs by the motions, six, five and five numbers a particle.
+    /// Solution after a change of the unknowns from a start, with the preconditioned residual as a last correction:
+    /// motions, minus the stresslets, and first moments of near pairs by the motions, six, five and five numbers a
+    /// particle.
     pub fn copy_changed(&mut self, at: &CoupledVectors, start: &StartInput) -> Result<[Vec<f64>; 3], DeviceError> {
         let count = self.task.particles as usize;
         let (changed, moments) = self.gather_changed(at, start)?;
@@ -54,9 +55,8 @@ impl SplitFarField {
         Ok(found)
     }
 
-    /// Solution after a change of the unknowns from a start, with the preconditioned residual as a last correction: a
-    /// list of motions, then of minus the stresslets, six and five numbers a particle; and first moments of near pairs
-    /// by the motions.
+    /// The lists of [`Self::copy_changed`] on the card: motions, then minus the stresslets, in one list; first moments
+    /// in another.
     pub(crate) fn gather_changed(
         &mut self,
         at: &CoupledVectors,

@@ -107,7 +107,7 @@ impl SplitFarField {
     }
 
     /// Stores the change of a known solution after a change of the unknowns from a start, see
-    /// [`Self::gather_changed`].
+    /// [`Self::copy_changed`].
     pub fn store_change(
         &mut self,
         lists: &KnownLists,

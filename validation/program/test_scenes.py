@@ -27,7 +27,7 @@ SMALLER = {
     "cloud": {"species[0].count": 20, "time.duration": 0.2},
     "chain": {"time.duration": 0.2},
     "filament": {"box.edges": "[34.0, 34.0, 34.0]", "filaments[0].count": 3, "time.duration": 0.2},
-    "extension": {"time.duration": 1.0},
+    "extension": {"time.duration": 0.1},
     "colloid": {"time.duration": 0.2, "statistics.every": 1, "statistics.from": 0.0},
     "brownian-shear": {"time.duration": 0.2, "statistics.every": 1, "statistics.from": 0.0},
     "colloid-sediment": {"species[0].count": 20, "time.duration": 0.2, "statistics.every": 1, "statistics.from": 0.0},

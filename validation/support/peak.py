@@ -15,7 +15,7 @@ UNITS = {"B": 1.0, "kB": 1e3, "MB": 1e6, "GB": 1e9, "TB": 1e12}
 
 def predicted(program, words, ranks):
     """Bytes of the first rank and of each other rank, from the line `memory` of `fcm-solve check`."""
-    command = [program, "check", *map(str, words), "--ranks", str(ranks)]
+    command = [program, "check", *map(str, words), "--ranks", str(ranks), "--no-trial"]
     text = subprocess.run(command, check=True, capture_output=True, text=True).stdout
     line = next(line for line in text.splitlines() if line.startswith("memory"))
     bytes_of = [float(number) * UNITS[unit] for number, unit in re.findall(r"([\d.]+) ([kMGT]?B)\b", line)]
