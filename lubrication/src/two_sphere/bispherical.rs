@@ -17,53 +17,9 @@
 
 use super::double_double::DoubleDouble;
 use super::geometry::{Geometry, side};
-use super::normal_polynomial::NormalPolynomial;
-use super::tridiagonal::{self, BlockRow, Matrix2};
-
-/// Velocity on one sphere: coefficients of `v_z`, `(v_rho + v_phi)/2`, `(v_rho - v_phi)/2` in the basis above over
-/// `sqrt 2`.
-#[derive(Debug, Clone, Copy)]
-pub struct SurfaceVelocity {
-    /// Sphere that moves, 0 or 1; the other one is at rest.
-    pub sphere: usize,
-    /// `v_z`, of order `m`.
-    pub axial: SurfaceFunction,
-    /// `(v_rho + v_phi)/2`, of order `m + 1`.
-    pub raised: SurfaceFunction,
-    /// `(v_rho - v_phi)/2`, of order `m - 1`.
-    pub lowered: SurfaceFunction,
-}
-
-/// A function on a sphere.
-#[derive(Debug, Clone, Copy)]
-pub enum SurfaceFunction {
-    /// 0
-    Zero,
-    /// 1, of order 0
-    One,
-    /// `z - z_i`, of order 0
-    Height,
-    /// A multiple of `rho`, of order 1
-    Radius(f64),
-    /// A polynomial of the normal
-    Normal(NormalPolynomial),
-}
-
-impl SurfaceFunction {
-    /// Coefficient of degree `n` over `sqrt 2`, given `exp(-(n+1/2) alpha)`.
-    fn coefficient(self, n: usize, decay: DoubleDouble, geometry: &Geometry, sphere: usize) -> DoubleDouble {
-        match self {
-            Self::Zero => DoubleDouble::default(),
-            Self::One => decay,
-            Self::Height => {
-                let side = decay * side(sphere);
-                side * (2 * n + 1) as f64 - side * geometry.cosh[sphere] / geometry.sinh[sphere]
-            }
-            Self::Radius(factor) => decay * (2.0 * factor),
-            Self::Normal(polynomial) => polynomial.coefficient(n, decay, geometry, sphere),
-        }
-    }
-}
+use super::surface_velocity::{SurfaceFunction, SurfaceVelocity};
+use super::tridiagonal::{self, BlockRow};
+use simd::vectorised;
 
 /// Moments of the traction of one sphere on the fluid about its centre, in units of viscosity and `c`.
 #[derive(Debug, Clone, Copy, Default)]
@@ -78,11 +34,26 @@ pub struct SphereMoments {
 
 /// Loads of both spheres for each drive of azimuthal order `order`.
 pub fn solve(geometry: &Geometry, order: usize, drives: &[SurfaceVelocity]) -> Vec<[SphereMoments; 2]> {
-    let problem = BisphericalProblem::new(geometry, order);
-    let drives: Vec<Drive> = drives.iter().map(|drive| problem.drive(drive)).collect();
-    let mut rows: Vec<BlockRow> = (order..problem.decays.len() - 2).map(|n| problem.row(n, &drives)).collect();
-    let y = tridiagonal::solve(&mut rows);
-    drives.iter().enumerate().map(|(d, drive)| problem.loads(drive, &y, d)).collect()
+    vectorised(
+        #[inline(always)]
+        || {
+            let problem = BisphericalProblem::new(geometry, order);
+            let mut given = Vec::with_capacity(drives.len());
+            for drive in drives {
+                given.push(problem.drive(drive));
+            }
+            let mut rows: Vec<BlockRow> = Vec::with_capacity(problem.decays.len());
+            for n in order..problem.decays.len() - 2 {
+                rows.push(problem.row(n, &given));
+            }
+            let y = tridiagonal::solve(&mut rows);
+            let mut loads = Vec::with_capacity(given.len());
+            for (d, drive) in given.iter().enumerate() {
+                loads.push(problem.loads(drive, &y, d));
+            }
+            loads
+        },
+    )
 }
 
 /// Coefficients over `sqrt 2` of the velocity of one sphere.
@@ -92,14 +63,12 @@ struct Drive {
     coefficients: Vec<[DoubleDouble; 3]>,
 }
 
-/// Unknowns of one sphere in the divergence of one family.
-struct Coupling {
-    /// Degree of the divergence.
-    degree: usize,
-    /// Degree of the unknowns.
-    through: usize,
-    family: usize,
-    sphere: usize,
+/// Degree through which unknowns and velocities act in the divergence at another one.
+#[derive(Debug, Clone, Copy)]
+enum Through {
+    Below,
+    Same,
+    Above,
 }
 
 struct BisphericalProblem<'a> {
@@ -109,133 +78,154 @@ struct BisphericalProblem<'a> {
     decays: Vec<[DoubleDouble; 2]>,
     /// Weights of the values on spheres 1 and 2 in the amplitude of each family.
     amplitudes: Vec<[[DoubleDouble; 2]; 2]>,
+    /// `side / sinh alpha_i`
+    csch: [DoubleDouble; 2],
+    /// `side coth alpha_i`
+    coth: [DoubleDouble; 2],
+    /// `exp(-alpha_i)`
+    inverse: [DoubleDouble; 2],
 }
 
 impl BisphericalProblem<'_> {
+    #[inline(always)]
     fn new(geometry: &Geometry, order: usize) -> BisphericalProblem<'_> {
         let decays = geometry.decays();
         let one = DoubleDouble::from(1.0);
-        let amplitudes = decays.iter().map(|decay| {
+        let mut amplitudes = Vec::with_capacity(decays.len());
+        for decay in &decays {
             let across = decay[0] * decay[1];
             let own = one / (one - across * across);
             let other = -(across * own);
-            [[own, other], [other, own]]
-        });
-        BisphericalProblem { geometry, order, amplitudes: amplitudes.collect(), decays }
+            amplitudes.push([[own, other], [other, own]]);
+        }
+        let csch = [0, 1].map(|sphere| DoubleDouble::from(side(sphere)) / geometry.sinh[sphere]);
+        let coth = [0, 1].map(|sphere| csch[sphere] * geometry.cosh[sphere]);
+        let inverse = geometry.exponential.map(|e| one / e);
+        BisphericalProblem { geometry, order, decays, amplitudes, csch, coth, inverse }
     }
 
+    #[inline(always)]
     fn drive(&self, &SurfaceVelocity { sphere, axial, raised, lowered }: &SurfaceVelocity) -> Drive {
-        let of_degree = |(n, decays): (usize, &[DoubleDouble; 2])| {
-            [axial, raised, lowered].map(|shape| shape.coefficient(n, decays[sphere], self.geometry, sphere))
-        };
-        Drive { sphere, coefficients: self.decays.iter().enumerate().map(of_degree).collect() }
+        let mut coefficients = Vec::with_capacity(self.decays.len());
+        for (n, decays) in self.decays.iter().enumerate() {
+            let of = |shape: SurfaceFunction| shape.coefficient(n, decays[sphere], self.geometry, sphere);
+            coefficients.push([of(axial), of(raised), of(lowered)]);
+        }
+        Drive { sphere, coefficients }
     }
 
     /// Two equations of degree `n`, one per family.
+    #[inline(always)]
     fn row(&self, n: usize, drives: &[Drive]) -> BlockRow {
         let mut row = BlockRow::new(drives.len());
+        let ratios = Ratios::new(n as f64, self.order as f64);
         for family in 0..2 {
-            for (k, growth) in self.neighbours(n, family) {
-                let amplitude = self.amplitudes[k][family].map(|a| a * growth);
-                for (sphere, weight) in amplitude.into_iter().enumerate() {
-                    self.couple(&mut row, &Coupling { degree: n, through: k, family, sphere }, weight);
+            // Amplitudes of the degrees below, at and above `n`, referred to that of `n`.
+            let mut below = [DoubleDouble::default(); 2];
+            let same = self.amplitudes[n][family];
+            let mut above = self.amplitudes[n + 1][family];
+            for sphere in 0..2 {
+                if n > 0 {
+                    below[sphere] = self.amplitudes[n - 1][family][sphere] * self.geometry.exponential[family];
                 }
-                for (d, drive) in drives.iter().enumerate() {
-                    row.right[family][d] += -(amplitude[drive.sphere] * self.known(n, k, family, drive));
+                above[sphere] = above[sphere] * self.inverse[family];
+                self.couple(&mut row, n, [family, sphere], [below[sphere], same[sphere], above[sphere]], &ratios);
+            }
+            for (d, drive) in drives.iter().enumerate() {
+                let known = |through| self.known(n, through, family, drive);
+                let mut sum = same[drive.sphere] * known(Through::Same) + above[drive.sphere] * known(Through::Above);
+                if n > 0 {
+                    sum += below[drive.sphere] * known(Through::Below);
                 }
+                row.right[family][d] = -sum;
             }
         }
         row
     }
 
-    /// Degrees in the divergence at degree `n`, with the factor that refers their amplitudes to `n`.
-    fn neighbours(&self, n: usize, family: usize) -> impl Iterator<Item = (usize, DoubleDouble)> {
-        let e = self.geometry.exponential[family];
-        let one = DoubleDouble::from(1.0);
-        let below = (n > 0).then(|| (n.wrapping_sub(1), e));
-        below.into_iter().chain([(n, one), (n + 1, one / e)])
+    /// Adds the contribution of the unknowns of one sphere, of all four functions, to the divergence of one family at
+    /// degree `n`, by the amplitudes of the degrees below, at and above it.
+    #[inline(always)]
+    fn couple(
+        &self,
+        row: &mut BlockRow,
+        n: usize,
+        [family, sphere]: [usize; 2],
+        [below, same, above]: [DoubleDouble; 3],
+        ratios: &Ratios,
+    ) {
+        let (x, m) = (n as f64, self.order as f64);
+        let sign = DoubleDouble::from(side(family));
+        let (csch, coth) = (self.csch[sphere], self.coth[sphere]);
+        let per_sinh = same * csch;
+        row.above[family][sphere] = above * ((coth + sign) * (0.5 * (x + m + 1.0))) - per_sinh * ratios.to_above;
+        row.middle[family][sphere] =
+            same * (coth * 2.5 - sign * (x + 0.5)) + csch * (below * ratios.from_below - above * ratios.from_above);
+        row.below[family][sphere] = per_sinh * ratios.to_below + below * ((sign - coth) * (0.5 * (x - m)));
     }
 
-    /// Adds the contribution of the unknowns of one sphere, of all four functions, to the
-    /// divergence.
-    fn couple(&self, row: &mut BlockRow, coupling: &Coupling, amplitude: DoubleDouble) {
-        let &Coupling { degree: n, through: k, family, sphere } = coupling;
+    /// Contribution of the prescribed velocity, through degree `n` or one beside it, to the divergence at `n`.
+    #[inline(always)]
+    fn known(&self, n: usize, through: Through, family: usize, drive: &Drive) -> DoubleDouble {
         let (x, m) = (n as f64, self.order as f64);
-        let sign = side(family);
-        let per_sinh = amplitude / (self.geometry.sinh[sphere] * side(sphere));
-        let coth = per_sinh * self.geometry.cosh[sphere];
-        let add = |block: &mut Matrix2, value: DoubleDouble| block[family][sphere] += value;
-        if k == n + 1 {
-            let half = 0.5 * (x + m + 1.0);
-            add(&mut row.above, coth * half + amplitude * (sign * half));
-            add(&mut row.middle, -ratio(per_sinh, (x + 1.0) * (2.0 * x + 3.0), 2.0 * (2.0 * x + 1.0)));
-        } else if k == n {
-            add(&mut row.above, -ratio(per_sinh, (x + m + 1.0) * (x + 2.5), 2.0 * x + 3.0));
-            add(&mut row.middle, coth * 2.5 - amplitude * (sign * (x + 0.5)));
-            add(&mut row.below, ratio(per_sinh, (x - m) * (x - 1.5), 2.0 * x - 1.0));
-        } else {
-            let half = 0.5 * (x - m);
-            add(&mut row.below, amplitude * (sign * half) - coth * half);
-            add(&mut row.middle, ratio(per_sinh, x * (2.0 * x - 1.0), 2.0 * (2.0 * x + 1.0)));
-        }
-    }
-
-    /// Contribution of the prescribed velocity, through degree `k`, to the divergence at `n`.
-    fn known(&self, n: usize, k: usize, family: usize, drive: &Drive) -> DoubleDouble {
-        let (x, m) = (n as f64, self.order as f64);
-        let (axial, raised, lowered) = if k == n + 1 {
-            (-0.5 * (x + m + 1.0), 0.5 * (x + m + 1.0) * (x + m + 2.0), -0.5)
-        } else if k == n {
-            (x + 0.5, -(x + m + 1.0) * (x - m), 1.0)
-        } else {
-            (-0.5 * (x - m), 0.5 * (x - m) * (x - m - 1.0), -0.5)
+        let (k, axial, raised, lowered) = match through {
+            Through::Above => (n + 1, -0.5 * (x + m + 1.0), 0.5 * (x + m + 1.0) * (x + m + 2.0), -0.5),
+            Through::Same => (n, x + 0.5, -(x + m + 1.0) * (x - m), 1.0),
+            Through::Below => (n - 1, -0.5 * (x - m), 0.5 * (x - m) * (x - m - 1.0), -0.5),
         };
         let values = drive.coefficients[k];
         values[0] * (axial * side(family)) + values[1] * raised + values[2] * lowered
     }
 
     /// Loads from the far field of each family.
+    #[inline(always)]
     fn loads(&self, drive: &Drive, y: &[Vec<[DoubleDouble; 2]>], d: usize) -> [SphereMoments; 2] {
         let m = self.order;
-        let at = |n: usize, sphere: usize| {
-            n.checked_sub(m).and_then(|i| y.get(i)).map_or(DoubleDouble::default(), |values| values[d][sphere])
-        };
+        let zero = [DoubleDouble::default(); 2];
         let mut sums = [[DoubleDouble::default(); 3]; 2];
+        let (mut before, mut here) = (zero, y.first().map_or(zero, |values| values[d]));
         for n in m..m + y.len() {
-            let pressure = [0, 1].map(|sphere| self.pressure(n, sphere, &at));
-            let axial = [0, 1].map(|sphere| {
-                let moving = if sphere == drive.sphere { drive.coefficients[n][0] } else { DoubleDouble::default() };
-                moving - at(n, sphere)
-            });
+            let after = y.get(n - m + 1).map_or(zero, |values| values[d]);
+            let pressure = self.pressure(n, [before, here, after]);
+            let mut axial = [-here[0], -here[1]];
+            axial[drive.sphere] += drive.coefficients[n][0];
             for (family, sum) in sums.iter_mut().enumerate() {
-                let weights = self.amplitudes[n][family].map(|w| w * self.decays[n][family]);
-                let q = weights[0] * pressure[0] + weights[1] * pressure[1];
-                let w = weights[0] * axial[0] + weights[1] * axial[1];
-                accumulate(sum, m, n as f64, [q, w]);
+                let amplitude = &self.amplitudes[n][family];
+                let q = amplitude[0] * pressure[0] + amplitude[1] * pressure[1];
+                let w = amplitude[0] * axial[0] + amplitude[1] * axial[1];
+                let decay = self.decays[n][family];
+                accumulate(sum, m, n as f64, [q * decay, w * decay]);
             }
+            (before, here) = (here, after);
         }
-        [0, 1].map(|family| self.about_centre(family, sums[family]))
+        [self.about_centre(0, sums[0]), self.about_centre(1, sums[1])]
     }
 
-    /// Coefficient of the pressure on a sphere, from that of `z Q/2`.
-    fn pressure(&self, n: usize, sphere: usize, y: &impl Fn(usize, usize) -> DoubleDouble) -> DoubleDouble {
+    /// Coefficients of degree `n` of the pressure on both spheres, from those of `z Q/2` of the degrees below, at and
+    /// above it.
+    #[inline(always)]
+    fn pressure(&self, n: usize, [below, same, above]: [[DoubleDouble; 2]; 3]) -> [DoubleDouble; 2] {
         let (x, m) = (n as f64, self.order as f64);
-        let below = if n == 0 { DoubleDouble::default() } else { ratio(y(n - 1, sphere), x - m, 2.0 * x - 1.0) };
-        let stencil =
-            self.geometry.cosh[sphere] * y(n, sphere) - below - ratio(y(n + 1, sphere), x + m + 1.0, 2.0 * x + 3.0);
-        stencil * (2.0 * side(sphere)) / self.geometry.sinh[sphere]
+        let [from_below, from_above] = [ratio(x - m, 2.0 * x - 1.0), ratio(x + m + 1.0, 2.0 * x + 3.0)];
+        let mut pressure = [DoubleDouble::default(); 2];
+        for (sphere, value) in pressure.iter_mut().enumerate() {
+            let stencil =
+                self.geometry.cosh[sphere] * same[sphere] - below[sphere] * from_below - above[sphere] * from_above;
+            *value = stencil * self.csch[sphere] * 2.0;
+        }
+        pressure
     }
 
     /// Loads about the sphere's centre from moments about the origin.
     fn about_centre(&self, family: usize, [first, second, third]: [DoubleDouble; 3]) -> SphereMoments {
         let pi = DoubleDouble::pi();
         let sign = side(family);
-        let centre = self.geometry.cosh[family] / self.geometry.sinh[family] * sign;
-        let third_pi = ratio(pi, 4.0, 3.0);
+        let centre = self.coth[family];
+        let third_pi = pi * ratio(4.0, 3.0);
         match self.order {
             0 => {
                 let force = pi * first * (8.0 * sign);
-                let stresslet = third_pi * second * 4.0 - ratio(force * centre, 2.0, 3.0);
+                let stresslet = third_pi * second * 4.0 - force * centre * ratio(2.0, 3.0);
                 SphereMoments { force, stresslet, ..SphereMoments::default() }
             }
             1 => {
@@ -249,7 +239,33 @@ impl BisphericalProblem<'_> {
     }
 }
 
+/// Rational weights of the unknowns of the neighbouring degrees over `sinh alpha`, in the divergence at one degree.
+struct Ratios {
+    /// Of the unknown above, by the amplitude of the degree itself.
+    to_above: DoubleDouble,
+    /// Of the unknown below, by the amplitude of the degree itself.
+    to_below: DoubleDouble,
+    /// Of the unknown of the degree, by the amplitude above.
+    from_above: DoubleDouble,
+    /// Of the unknown of the degree, by the amplitude below.
+    from_below: DoubleDouble,
+}
+
+impl Ratios {
+    /// Of degree `x` and order `m`.
+    #[inline(always)]
+    fn new(x: f64, m: f64) -> Self {
+        Self {
+            to_above: ratio((x + m + 1.0) * (x + 2.5), 2.0 * x + 3.0),
+            to_below: ratio((x - m) * (x - 1.5), 2.0 * x - 1.0),
+            from_above: ratio((x + 1.0) * (2.0 * x + 3.0), 2.0 * (2.0 * x + 1.0)),
+            from_below: ratio(x * (2.0 * x - 1.0), 2.0 * (2.0 * x + 1.0)),
+        }
+    }
+}
+
 /// Adds degree `n` to the sums of force, stresslet and torque.
+#[inline(always)]
 fn accumulate(sum: &mut [DoubleDouble; 3], order: usize, n: f64, [q, w]: [DoubleDouble; 2]) {
     let pair = n * (n + 1.0);
     match order {
@@ -259,15 +275,17 @@ fn accumulate(sum: &mut [DoubleDouble; 3], order: usize, n: f64, [q, w]: [Double
         }
         1 => {
             sum[0] += q * pair;
-            sum[1] += q * pair * (2.0 * n + 1.0);
+            sum[1] += q * (pair * (2.0 * n + 1.0));
             sum[2] += w * pair;
         }
-        _ => sum[1] += q * pair * ((n - 1.0) * (n + 2.0)),
+        _ => sum[1] += q * (pair * ((n - 1.0) * (n + 2.0))),
     }
 }
 
-fn ratio(x: DoubleDouble, numerator: f64, denominator: f64) -> DoubleDouble {
-    x * numerator / DoubleDouble::from(denominator)
+/// Quotient of two numbers that `f64` represents exactly.
+#[inline(always)]
+fn ratio(numerator: f64, denominator: f64) -> DoubleDouble {
+    DoubleDouble::from(numerator) / DoubleDouble::from(denominator)
 }
 
 /// Torques along the line of centres, `[rotating sphere][sphere with the torque]`, for unit angular velocity (Jeffery
@@ -336,11 +354,12 @@ mod tests {
                     1 => across + (1.0 + m as f64) * value([rho, z]) / rho,
                     _ => across + (1.0 - m as f64) * value([rho, z]) / rho,
                 };
-                let expected: f64 = (k - 1..=k + 1)
-                    .map(|n| problem.known(n, k, family, &drive) / problem.decays[k][1])
-                    .zip(k - 1..)
-                    .map(|(weight, n)| weight.value() * harmonic(family, n, m, [rho, z]))
-                    .sum();
+                let through = [(k - 1, Through::Above), (k, Through::Same), (k + 1, Through::Below)];
+                let term = |(n, through)| {
+                    let weight = problem.known(n, through, family, &drive) / problem.decays[k][1];
+                    weight.value() * harmonic(family, n, m, [rho, z])
+                };
+                let expected: f64 = through.into_iter().map(term).sum();
                 // Central differences: h^2 times a third derivative, of degree 4 below 1e3 times the value.
                 assert!(
                     (found - expected).abs() < 1e-5 * found.abs().max(1.0),

@@ -1,6 +1,7 @@
 //! Numbers of twice the precision of `f64` (about 31 digits), as an unevaluated sum of two.
 //!
-//! Error-free sums and products of Dekker (1971) and Knuth.
+//! Error-free sums and products of Dekker (1971) and Knuth. All operations are inlined, so that they have the fused
+//! instructions of [`simd::vectorised`] code.
 
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
@@ -18,17 +19,20 @@ impl DoubleDouble {
     }
 
     /// The nearest `f64`.
+    #[inline(always)]
     pub fn value(self) -> f64 {
         self.high
     }
 
     /// Square root of a positive number, by one Newton step from that of `f64`.
+    #[inline(always)]
     pub fn sqrt(self) -> Self {
         let root = Self::from(self.high.sqrt());
         root + (self - root * root) / (root + root)
     }
 
     /// Normalises a sum with `|high| >= |low|`.
+    #[inline(always)]
     fn fast(high: f64, low: f64) -> Self {
         let sum = high + low;
         Self { high: sum, low: low - (sum - high) }
@@ -36,6 +40,7 @@ impl DoubleDouble {
 }
 
 impl From<f64> for DoubleDouble {
+    #[inline(always)]
     fn from(high: f64) -> Self {
         Self { high, low: 0.0 }
     }
@@ -43,6 +48,7 @@ impl From<f64> for DoubleDouble {
 
 impl Add for DoubleDouble {
     type Output = Self;
+    #[inline(always)]
     fn add(self, other: Self) -> Self {
         let sum = self.high + other.high;
         let part = sum - self.high;
@@ -52,6 +58,7 @@ impl Add for DoubleDouble {
 }
 
 impl AddAssign for DoubleDouble {
+    #[inline(always)]
     fn add_assign(&mut self, other: Self) {
         *self = *self + other;
     }
@@ -59,6 +66,7 @@ impl AddAssign for DoubleDouble {
 
 impl Neg for DoubleDouble {
     type Output = Self;
+    #[inline(always)]
     fn neg(self) -> Self {
         Self { high: -self.high, low: -self.low }
     }
@@ -66,6 +74,7 @@ impl Neg for DoubleDouble {
 
 impl Sub for DoubleDouble {
     type Output = Self;
+    #[inline(always)]
     fn sub(self, other: Self) -> Self {
         self + -other
     }
@@ -73,6 +82,7 @@ impl Sub for DoubleDouble {
 
 impl Mul for DoubleDouble {
     type Output = Self;
+    #[inline(always)]
     fn mul(self, other: Self) -> Self {
         let product = self.high * other.high;
         let error = self.high.mul_add(other.high, -product);
@@ -82,13 +92,17 @@ impl Mul for DoubleDouble {
 
 impl Mul<f64> for DoubleDouble {
     type Output = Self;
+    #[inline(always)]
     fn mul(self, other: f64) -> Self {
-        self * Self::from(other)
+        let product = self.high * other;
+        let error = self.high.mul_add(other, -product);
+        Self::fast(product, error + self.low * other)
     }
 }
 
 impl Div for DoubleDouble {
     type Output = Self;
+    #[inline(always)]
     fn div(self, other: Self) -> Self {
         let first = self.high / other.high;
         let rest = self - other * first;

@@ -2,9 +2,10 @@
 
 use std::f64::consts::PI;
 
-use super::bispherical::{self, SphereMoments, SurfaceFunction, SurfaceVelocity};
+use super::bispherical::{self, SphereMoments};
 use super::functions::{Function, Pairwise, ResistanceFunctions, WallFunctions};
 use super::geometry::Geometry;
+use super::surface_velocity::{SurfaceFunction, SurfaceVelocity};
 
 /// All functions for radii 1 and `ratio` at a positive, finite `gap`, in units of the first radius.
 pub fn resistance(ratio: f64, gap: f64) -> ResistanceFunctions {

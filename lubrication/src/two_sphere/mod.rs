@@ -26,6 +26,7 @@ mod near;
 mod normal_polynomial;
 mod singular;
 pub(crate) mod slip;
+mod surface_velocity;
 mod table;
 pub(crate) mod tridiagonal;
 mod wall;

@@ -3,10 +3,11 @@
 use std::sync::Arc;
 
 use super::TwoSphereError;
-use super::bispherical::{self, SphereMoments, SurfaceFunction, SurfaceVelocity};
+use super::bispherical::{self, SphereMoments};
 use super::gap_table::{GapTable, Tabulated};
 use super::geometry::Geometry;
 use super::normal_polynomial::NormalPolynomial;
+use super::surface_velocity::{SurfaceFunction, SurfaceVelocity};
 use super::table::LARGEST_RATIO;
 
 /// Loads of two spheres at rest on the fluid, over viscosity, by a slip velocity at the surface of one,

@@ -32,6 +32,7 @@ impl BlockRow {
 }
 
 /// Solution as `[row][right-hand side][sphere]`, by block elimination; destroys the rows.
+#[inline(always)]
 pub fn solve(rows: &mut [BlockRow]) -> Vec<Vec<[DoubleDouble; 2]>> {
     for n in 0..rows.len() {
         let (done, rest) = rows.split_at_mut(n);
@@ -49,6 +50,7 @@ pub fn solve(rows: &mut [BlockRow]) -> Vec<Vec<[DoubleDouble; 2]>> {
     substitute(rows)
 }
 
+#[inline(always)]
 fn eliminate(row: &mut BlockRow, before: &BlockRow) {
     let carried = product(&row.below, &before.above);
     for (i, line) in carried.iter().enumerate() {
@@ -63,28 +65,34 @@ fn eliminate(row: &mut BlockRow, before: &BlockRow) {
     }
 }
 
+#[inline(always)]
 fn substitute(rows: &[BlockRow]) -> Vec<Vec<[DoubleDouble; 2]>> {
     let mut solution: Vec<Vec<[DoubleDouble; 2]>> = Vec::with_capacity(rows.len());
     for row in rows.iter().rev() {
-        let values = (0..row.right[0].len()).map(|d| {
+        let mut values: Vec<[DoubleDouble; 2]> = Vec::with_capacity(row.right[0].len());
+        for d in 0..row.right[0].len() {
             let after = solution.last().map_or([DoubleDouble::default(); 2], |next| apply(&row.above, next[d]));
-            [row.right[0][d] - after[0], row.right[1][d] - after[1]]
-        });
-        let values = values.collect();
+            values.push([row.right[0][d] - after[0], row.right[1][d] - after[1]]);
+        }
         solution.push(values);
     }
     solution.reverse();
     solution
 }
 
+#[inline(always)]
 fn apply(block: &Matrix2, x: [DoubleDouble; 2]) -> [DoubleDouble; 2] {
-    [0, 1].map(|i| block[i][0] * x[0] + block[i][1] * x[1])
+    let [first, second] = block;
+    [first[0] * x[0] + first[1] * x[1], second[0] * x[0] + second[1] * x[1]]
 }
 
+#[inline(always)]
 fn product(a: &Matrix2, b: &Matrix2) -> Matrix2 {
-    [0, 1].map(|i| [0, 1].map(|j| a[i][0] * b[0][j] + a[i][1] * b[1][j]))
+    let [first, second] = [apply(a, [b[0][0], b[1][0]]), apply(a, [b[0][1], b[1][1]])];
+    [[first[0], second[0]], [first[1], second[1]]]
 }
 
+#[inline(always)]
 fn inverse(a: &Matrix2) -> Matrix2 {
     let scale = DoubleDouble::from(1.0) / (a[0][0] * a[1][1] - a[0][1] * a[1][0]);
     [[a[1][1] * scale, -(a[0][1] * scale)], [-(a[1][0] * scale), a[0][0] * scale]]
