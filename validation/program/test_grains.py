@@ -329,7 +329,7 @@ class Grains(unittest.TestCase):
         self.assertIn("2 problems have no solution", failed)
         # A problem without a solution is tried again, and is reported.
         again = run(["run", *words("shear-cell-continuum", sets), "--out", out, "--continue"], expect=1)
-        self.assertEqual(again, failed)
+        self.assertEqual(*([line for line in text.splitlines() if not line.endswith(" so far")] for text in (again, failed)))
 
     def test_grains_run_in_one_process(self):
         said = run(["run", *words("granular-disks", {}), "--out", self.out], ranks=2, expect=1)

@@ -47,8 +47,8 @@ class Memory(unittest.TestCase):
 
     def test_other_parts_of_a_run_take_what_is_predicted(self):
         scene = memory.spheres(8_000, "split", False)
-        statistics = scene.replace("steps = 2 }", "steps = 10 }").replace("[[species]]", "statistics.every = 1\n[[species]]")
-        self.compare([self.scene(statistics.replace("checkpoint_every = 1 ", "checkpoint_every = 5 "))], 1, "statistics")
+        statistics = scene.replace("steps = 2 }", "steps = 20 }").replace("[[species]]", "statistics.every = 1\n[[species]]")
+        self.compare([self.scene(statistics.replace("checkpoint_every = 1 ", "checkpoint_every = 10 "))], 1, "statistics")
         self.compare([self.scene(scene.replace("checkpoint_every = 1 ", "checkpoint_every = 1, fields_every = 1 "))], 2, "fields")
         few = memory.spheres(2_000, "split", False).replace("checkpoint_every = 1 ", "checkpoint_every = 1, fields_every = 2 ")
         walls = few.replace("fluid.viscosity", 'box.boundaries = ["periodic", "walls", "periodic"]\nfluid.viscosity')
