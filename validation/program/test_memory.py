@@ -50,7 +50,7 @@ class Memory(unittest.TestCase):
         statistics = scene.replace("steps = 2 }", "steps = 20 }").replace("[[species]]", "statistics.every = 1\n[[species]]")
         self.compare([self.scene(statistics.replace("checkpoint_every = 1 ", "checkpoint_every = 10 "))], 1, "statistics")
         self.compare([self.scene(scene.replace("checkpoint_every = 1 ", "checkpoint_every = 1, fields_every = 1 "))], 2, "fields")
-        few = memory.spheres(2_000, "split", False).replace("checkpoint_every = 1 ", "checkpoint_every = 1, fields_every = 2 ")
+        few = memory.spheres(500, "split", False).replace("checkpoint_every = 1 ", "checkpoint_every = 1, fields_every = 2 ")
         walls = few.replace("fluid.viscosity", 'box.boundaries = ["periodic", "walls", "periodic"]\nfluid.viscosity')
         self.compare([self.scene(walls)], 2, "fields between walls")
         sheared = "flow = { kind = \"shear\", rate = 1.0, lees_edwards = true }\nrepulsion.strength = 60.0\n"
