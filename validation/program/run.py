@@ -1,5 +1,5 @@
 """Runs the tests of this folder, or of those named, and counts them in the last line; with --quick without the files that
-set `HEAVY`, which take longer than some twenty seconds.
+set `HEAVY`, the seconds that they take beside others, if these are more than some twenty.
 
 A file of tests is a process. Twice as many of them as there are cores run at a time, since many tests wait for a
 program that they stop or kill."""
@@ -14,7 +14,7 @@ import sys
 import time
 import unittest
 
-HEAVY = re.compile(r"^HEAVY = True$", re.MULTILINE)
+HEAVY = re.compile(r"^HEAVY = (\d+)$", re.MULTILINE)
 COUNT = re.compile(r"(\d+) passed, (\d+) failed$")
 
 
@@ -50,10 +50,10 @@ def main():
     if len(given) == 1 and given[0].is_file():
         sys.exit(not run_file(given[0]))
     texts = {file: file.read_text() for place in given for file in place.glob("test_*.py")}
-    heavy = [file for file, text in texts.items() if HEAVY.search(text)]
-    # Those that take long first, then the longest texts, so that no long file is left alone at the end.
-    files = sorted(texts, key=lambda file: (file not in heavy, -len(texts[file])))
-    files = [file for file in files if not quick or file not in heavy]
+    seconds = {file: int(found[1]) if (found := HEAVY.search(text)) else 0 for file, text in texts.items()}
+    # Those that take longest first, then the longest texts, so that no long file is left alone at the end.
+    files = sorted(texts, key=lambda file: (-seconds[file], -len(texts[file])))
+    files = [file for file in files if not quick or seconds[file] == 0]
     with concurrent.futures.ThreadPoolExecutor(2 * os.cpu_count()) as pool:
         counts = list(pool.map(run_apart, files))
     passed, failed = (sum(numbers) for numbers in zip(*counts))

@@ -9,8 +9,8 @@ import unittest
 from program import PATIENCE, ROOT, answered, command, run
 from test_scenes import SMALLER
 
-# For run.py --quick.
-HEAVY = True
+# For run.py.
+HEAVY = 90
 
 SCENES = {
     "spheres": """

@@ -16,8 +16,8 @@ from program import ROOT, run, start
 from small_run import has_checkpoint, wait_for
 from support.checkpoint import state_of
 
-# For run.py --quick.
-HEAVY = True
+# For run.py.
+HEAVY = 50
 
 # Settings of short runs: about a second each, with checkpoints.
 DISKS = {"box.edges": "[40.0, 50.0]", "time.steps": 12000, "output.checkpoint_every": 700, "output.trajectory_every": 3000}

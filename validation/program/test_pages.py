@@ -12,8 +12,8 @@ sys.path.insert(0, str(ROOT / "validation"))
 from support.compared import differences  # noqa: E402
 from support.console import PAGES, blocks, commands, inline_commands, prepare, printed, unprinted_commands  # noqa: E402
 
-# For run.py --quick.
-HEAVY = True
+# For run.py.
+HEAVY = 330
 
 INSTALLS = "installs or builds; `scripts/test` and `scripts/release` do that"
 CLUSTER = "is for a cluster; validation/batch submits an array of jobs to a Slurm"

@@ -13,8 +13,8 @@ import numpy as np
 from program import ROOT, run
 from test_scenes import SMALLER
 
-# For run.py --quick.
-HEAVY = True
+# For run.py.
+HEAVY = 75
 
 PLOT = ROOT / "scripts" / "plot"
 # Pictures need only a few rows.

@@ -11,7 +11,7 @@ import numpy as np
 
 from program import ROOT, mobility, run
 
-HEAVY = True
+HEAVY = 140
 
 RANKS = (1, 2, 3, 4, 7)
 

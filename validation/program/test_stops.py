@@ -14,8 +14,8 @@ from program import PATIENCE, PROGRAM, ROOT, command, run, start
 from small_run import SCENE, end_state, has_checkpoint, ranks_of, wait_for, words
 from support.checkpoint import state_of
 
-# For run.py --quick.
-HEAVY = True
+# For run.py.
+HEAVY = 80
 
 SETS = small_run.SETS | {"time.steps": 2000, "output.checkpoint_every": 100000}
 # A step that takes minutes: thousands of substeps, required near contact, each with tens of evaluations.
