@@ -9,7 +9,8 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 TARGET = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
 PROGRAM = os.environ.get("FCM_SOLVE", str(TARGET / "release" / "fcm-solve"))
 
-# Seconds after which a command hangs. Ranks that share their cores with other tests take ten times as long as alone.
+# Seconds after which a command hangs. Ranks that wait for each other spin, so beside other tests they take several times
+# as long as alone.
 PATIENCE = 300
 
 

@@ -14,7 +14,7 @@ import sys
 import time
 import unittest
 
-HEAVY = re.compile(r"^HEAVY = (\d+)$", re.MULTILINE)
+HEAVY = re.compile(r"^HEAVY = (.+)$", re.MULTILINE)
 COUNT = re.compile(r"(\d+) passed, (\d+) failed$")
 
 

@@ -135,10 +135,6 @@ CHANGES = {
 }
 
 
-# Scenes of which two ranks make trial steps; one rank makes those of all.
-TRIED = ("settling", "extension", "sediment", "colloid", "bodies")
-
-
 class Check(unittest.TestCase):
     def setUp(self):
         place = tempfile.TemporaryDirectory()
@@ -168,8 +164,7 @@ class Check(unittest.TestCase):
         for scene in sorted((ROOT / "scenes").glob("*.toml")):
             sets = [f"{key}={value}" for key, value in SMALLER.get(scene.stem, {}).items()]
             steps = [] if scene.stem == "shear-cell-continuum" else ["time.steps=1"]
-            trial = [] if scene.stem in TRIED else ["--no-trial"]
-            if self.compare(scene, [*sets, *steps], scene.stem, ranks=2, options=trial):
+            if self.compare(scene, [*sets, *steps], scene.stem, ranks=2):
                 alone.append(scene.stem)
                 self.assertEqual([*self.folder.glob(f"{scene.stem}/*")], [], "nothing is left of a run that is refused")
         grains = ["disk-sweep", "family", "granular-disks", "poiseuille-disks", "shear-cell", "shear-cell-continuum"]
@@ -195,12 +190,12 @@ class Check(unittest.TestCase):
         self.assertNotIn("seconds_per_step", open_fluid)
         self.assertIn("output_bytes", open_fluid)
 
-    def compare(self, scene, sets, name, ranks=None, options=()):
-        """The exit code of `check`, which is that of `run`, as are the errors. The options are those of `check`."""
+    def compare(self, scene, sets, name, ranks=None):
+        """The exit code of `check`, which is that of `run`, as are the errors."""
         words = [word for item in sets for word in ("--set", item)]
         checked, ran = (
             subprocess.run(command(line, ranks), capture_output=True, text=True, timeout=PATIENCE)
-            for line in (["check", scene, *words, *options], ["run", scene, *words, "--out", self.folder / name])
+            for line in (["check", scene, *words], ["run", scene, *words, "--out", self.folder / name])
         )
         errors = [[line for line in said.stderr.splitlines() if line.startswith("error:")] for said in (checked, ran)]
         with self.subTest(scene=scene.name, sets=sets, ranks=ranks):

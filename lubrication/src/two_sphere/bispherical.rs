@@ -15,11 +15,12 @@
 //! each family that couples `y_{n-1}`, `y_n`, `y_{n+1}` of both spheres: a block tridiagonal system, solved directly.
 //! Digits are lost like a power of `1/alpha`, hence the double-double numbers.
 
+use simd::vectorised;
+
 use super::double_double::DoubleDouble;
 use super::geometry::{Geometry, side};
 use super::surface_velocity::{SurfaceFunction, SurfaceVelocity};
 use super::tridiagonal::{self, BlockRow};
-use simd::vectorised;
 
 /// Moments of the traction of one sphere on the fluid about its centre, in units of viscosity and `c`.
 #[derive(Debug, Clone, Copy, Default)]
@@ -33,6 +34,9 @@ pub struct SphereMoments {
 }
 
 /// Loads of both spheres for each drive of azimuthal order `order`.
+///
+/// [`vectorised`] gives the double-double products fused instructions where everything is inlined, hence the loops in
+/// place of closures.
 pub fn solve(geometry: &Geometry, order: usize, drives: &[SurfaceVelocity]) -> Vec<[SphereMoments; 2]> {
     vectorised(
         #[inline(always)]
